@@ -1,4 +1,4 @@
-//! The connection: a thread that owns the websocket, requests that go to it, answers that come back.
+//! Connection to a control core: a thread owns the websocket, sends requests and distributes answers and updates.
 
 use std::collections::BTreeMap;
 use std::io::{ErrorKind, Read, Write};
@@ -16,40 +16,40 @@ use tungstenite::{Message, WebSocket};
 use crate::error::Error;
 use crate::goal::{OnLoss, Session};
 
-/// How long the thread listens before it looks whether there is something to send.
+/// Read timeout of the websocket, after which pending requests are sent.
 const TURN: Duration = Duration::from_millis(2);
 
-/// What a conversation is held over.
+/// Transport of a connection: plain TCP or TLS.
 pub(crate) trait Stream: Read + Write + Send {}
 impl<T: Read + Write + Send> Stream for T {}
 
-/// Takes what the server tells about a command.
+/// Receiver of the updates of a command or task.
 pub(crate) type Listener = Sender<Value>;
 
-/// What the thread is asked to do.
+/// A request to the connection thread.
 enum Order {
     Call(String, Value, Sender<Result<Value, Error>>),
     Listen(String, Listener),
 }
 
-/// A control core.
+/// Connection to a control core.
 #[derive(Clone, Debug)]
 pub struct Core(Sender<Order>);
 
 impl Core {
-    /// Connects to a control core at `address:port`, showing a token if it wants one.
+    /// Connects to a control core at `address:port`, with a token if the server requires one.
     ///
     /// # Errors
-    /// If there is none, or it does not let us in.
+    /// If the connection fails or the server rejects it.
     pub fn connect(address: &str, token: Option<&str>) -> Result<Core, Error> {
         Core::connect_over(address, token, |stream| Ok(Box::new(stream)))
     }
 
-    /// Connects over TLS to a control core at `address:port`, whose certificate one of those in the PEM file `authorities`
-    /// must have signed, or be.
+    /// Connects over TLS to a control core at `address:port`. Its certificate must be in the PEM file `authorities` or
+    /// be signed by one in it.
     ///
     /// # Errors
-    /// If there is none, it is another than it should be, or it does not let us in.
+    /// If the connection fails, the certificate is not valid, or the server rejects the connection.
     #[cfg(feature = "tls")]
     pub fn connect_tls(
         address: &str,
@@ -67,6 +67,7 @@ impl Core {
     ) -> Result<Core, Error> {
         let stream = TcpStream::connect(address).map_err(Error::connection)?;
         stream.set_nodelay(true).map_err(Error::connection)?;
+        // A second handle of the socket, for changing its read timeout once the stream is wrapped.
         let options = stream.try_clone().map_err(Error::connection)?;
         let stream = over(stream)?;
         let url = format!("ws://{address}/rpc");
@@ -91,7 +92,7 @@ impl Core {
     /// Calls a method of the server and waits for its result.
     ///
     /// # Errors
-    /// What the server has against it, or that there is no connection.
+    /// If the server refuses the request or the connection is closed.
     pub fn call(&self, method: &str, params: Value) -> Result<Value, Error> {
         let (answer, result) = channel();
         let order = Order::Call(method.to_owned(), params, answer);
@@ -99,7 +100,7 @@ impl Core {
         result.recv().map_err(Error::connection)?
     }
 
-    /// Opens a session; `on_loss` says what becomes of its commands without us.
+    /// Opens a session. `on_loss` is the policy for its commands when the connection ends.
     ///
     /// # Errors
     /// See [`call`](Self::call).
@@ -109,19 +110,19 @@ impl Core {
         Ok(Session::new(self.clone(), &opened["session"]))
     }
 
-    /// Emergency stop: everything is stopped at once, whoever it belongs to, and nothing can be started until it is
-    /// [reset](Core::reset_emergency). `by` says who wants it, or why.
+    /// Emergency stop: stops all commands of all clients at once. Nothing can be started until the
+    /// [reset](Core::reset_emergency). `by` names who requested it, or the reason.
     ///
     /// # Errors
-    /// If there is no connection.
+    /// If the connection is closed.
     pub fn emergency_stop(&self, by: &str) -> Result<(), Error> {
         self.call("emergency.stop", json!({"by": by})).map(drop)
     }
 
-    /// Lets commands start again after an emergency stop.
+    /// Resets an emergency stop, so that commands can be started again.
     ///
     /// # Errors
-    /// While devices are still braking.
+    /// If devices are still braking.
     pub fn reset_emergency(&self) -> Result<(), Error> {
         self.call("emergency.reset", json!({})).map(drop)
     }
@@ -132,13 +133,13 @@ impl Core {
     }
 }
 
-/// How long a server may take to answer when it is called.
+/// Timeout for the server's answer to the websocket handshake.
 const PATIENCE: Duration = Duration::from_secs(10);
 
-/// Why the server does not let us in, in its own words if it has some.
+/// Converts a failed handshake to an error, with the message of the server if it sent one.
 fn not_let_in<R: HandshakeRole>(why: HandshakeError<R>) -> Error {
     let why = match why {
-        HandshakeError::Interrupted(_) => return Error::connection("it does not answer"),
+        HandshakeError::Interrupted(_) => return Error::connection("the server does not answer"),
         HandshakeError::Failure(why) => why,
     };
     match why {
@@ -151,7 +152,7 @@ fn not_let_in<R: HandshakeRole>(why: HandshakeError<R>) -> Error {
     }
 }
 
-/// The thread's side.
+/// State of the connection thread.
 struct Talk {
     socket: WebSocket<Box<dyn Stream>>,
     todo: Receiver<Order>,
@@ -171,7 +172,7 @@ impl Talk {
         }
     }
 
-    /// Talks until nobody needs the connection any more, or it breaks; who still waits then learns so.
+    /// Sends and receives until every handle is dropped or the connection breaks. Pending calls then get an error.
     fn run(&mut self) {
         while self.send() && self.hear() {}
         let _ = self.socket.close(None);
@@ -242,7 +243,7 @@ impl Talk {
             None => Ok(message["result"].clone()),
         };
         if let Some(answer) = waiting {
-            // Who has gone meanwhile does not want to know.
+            // The send fails if the caller is gone, which is no error.
             let _ = answer.send(result);
         }
     }

@@ -1,22 +1,22 @@
-//! What can go wrong.
+//! Error type of the client.
 
 use std::fmt;
 
 use serde_json::Value;
 
-/// Why something was not done.
+/// Error of a request or connection.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum Error {
-    /// The server refused it.
+    /// The server refused the request.
     Refused {
-        /// The server's code; its manual has the table.
+        /// Error code of the server; its manual has the table.
         code: i64,
-        /// In words.
+        /// Error message of the server.
         message: String,
-        /// Every reason, where there are several.
+        /// All reasons, if there are several.
         reasons: Vec<String>,
     },
-    /// There is no connection (any more).
+    /// The connection could not be opened or is closed; the text has the reason.
     Connection(String),
 }
 
@@ -25,7 +25,7 @@ impl Error {
         Error::Connection(why.to_string())
     }
 
-    /// A command is no more, and has never run.
+    /// Creates the error for a command or task that was unloaded before it ran.
     pub(crate) fn unloaded() -> Error {
         Error::Refused {
             code: -32001,

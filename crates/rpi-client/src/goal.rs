@@ -1,4 +1,4 @@
-//! Commands with the shape of goal, feedback, result, preempt.
+//! Sessions and commands, with an interface of goal, feedback, result and preempt as in ROS actions.
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -10,15 +10,15 @@ use crate::connection::Core;
 use crate::error::Error;
 use crate::task::Task;
 
-/// What becomes of a session's commands when its connection ends.
+/// Policy for a session's commands when its connection ends.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub enum OnLoss {
-    /// They are asked to end, on path.
+    /// Running commands are cancelled and end on their path.
     #[default]
     Cancel,
-    /// They run on.
+    /// Commands keep running.
     RunOn,
-    /// They end at once.
+    /// Commands end at once.
     Abort,
 }
 
@@ -32,26 +32,26 @@ impl OnLoss {
     }
 }
 
-/// A text with a command in it.
+/// Source text of a command or task, with load options.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Program {
-    /// The text.
+    /// Source text.
     pub text: String,
-    /// `rpi`, or `rpinet` for a net of the reference system.
+    /// Language: `rpi`, or `rpinet` for a net of the reference system.
     pub language: &'static str,
-    /// Which command, if there are several.
+    /// Name of the command or task within the text; `None` if there is only one.
     pub command: Option<String>,
-    /// Its period in s; 0 for the server's tick.
+    /// Period in s; 0 for one tick of the server.
     pub period: f64,
-    /// Least time in s between two updates of what it exports.
+    /// Minimum time in s between two updates of exported values.
     pub feedback: f64,
-    /// What becomes of it if its cycles take too long: `count`, `abort:N/M` (it ends at the Nth of M cycles) or `stop:N/M`
-    /// (everything does); as the server has it unless said.
+    /// Policy for cycles that take too long: `count`, `abort:N/M` (the command ends at the Nth overrun of M cycles) or
+    /// `stop:N/M` (everything is stopped). `None` for the server's default.
     pub on_overrun: Option<String>,
 }
 
 impl Program {
-    /// A program with one command, in the server's tick, told about every 20 ms.
+    /// Creates an RPI program with a single command, the period of one tick and feedback every 20 ms.
     #[must_use]
     pub fn rpi(text: impl Into<String>) -> Program {
         Program {
@@ -65,7 +65,7 @@ impl Program {
     }
 }
 
-/// Owns commands.
+/// A session. It owns the commands and tasks that are loaded in it.
 #[derive(Clone, Debug)]
 pub struct Session {
     core: Core,
@@ -78,10 +78,10 @@ impl Session {
         Session { core, name }
     }
 
-    /// Loads a command; it waits to be started.
+    /// Loads a command. It runs once it is started.
     ///
     /// # Errors
-    /// Every reason why it cannot run.
+    /// All reasons why the command cannot be loaded.
     pub fn load(&self, program: &Program) -> Result<Goal, Error> {
         let params = json!({
             "session": self.name,
@@ -94,6 +94,7 @@ impl Session {
         let loaded = self.core.call("command.load", params)?;
         let name = loaded["command"].as_str().unwrap_or_default().to_owned();
         let (listener, updates) = channel();
+        // Before `watch.command`: its first update may arrive together with its answer and would be lost.
         self.core.listen(&name, listener)?;
         let params = json!({"command": name, "period": program.feedback});
         self.core.call("watch.command", params)?;
@@ -105,10 +106,10 @@ impl Session {
         })
     }
 
-    /// Loads a task of a program, in [`Program::command`] the name of the task; it waits to be started.
+    /// Loads the task named by [`Program::command`]. It runs once it is started.
     ///
     /// # Errors
-    /// Every reason why it cannot run.
+    /// All reasons why the task cannot be loaded.
     pub fn load_task(&self, program: &Program) -> Result<Task, Error> {
         let params = json!({
             "session": self.name,
@@ -120,48 +121,51 @@ impl Session {
         Task::load(&self.core, params)
     }
 
-    /// Ends all its commands by force.
+    /// Aborts all commands of the session and closes it.
     ///
     /// # Errors
-    /// If there is no connection.
+    /// If the connection is closed.
     pub fn close(self) -> Result<(), Error> {
         let params = json!({"session": self.name});
         self.core.call("session.close", params).map(drop)
     }
 }
 
-/// What a command exports, as texts that keep every bit, and where it is in its life.
+/// State and exports of a command. Values are texts that keep every bit.
 #[derive(Clone, PartialEq, Eq, Default, Debug)]
 pub struct Feedback {
-    /// `ready`, `scheduled`, `running`, `cancelling`, `terminated`; `unloaded` for one that never ran.
+    /// Life-cycle state: `ready`, `scheduled`, `running`, `cancelling` or `terminated`; `unloaded` if the command never
+    /// ran.
     pub state: String,
-    /// By key.
+    /// Exported values by key.
     pub values: BTreeMap<String, String>,
-    /// By how much its first set-points did not join those of whoever went before, where they did not.
+    /// Description of the discontinuity between the command's first set-points and those of its predecessor, if there
+    /// was one.
     pub jump: Option<String>,
 }
 
-/// How a command has ended. One that lost a choice, or was unloaded before it ran, has not: see [`Goal::result`].
+/// How a command has ended. A command that was unloaded before it ran has no ending: see [`Goal::result`].
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Ending {
-    /// `result`, `terminate`, `fault`, `aborted`, or that a rule stopped it.
+    /// Kind of ending: `result`, `terminate`, `fault`, `aborted` or `stopped by a rule`.
     pub cause: String,
-    /// The name of its result.
+    /// Name of the result, if the kind is `result`.
     pub result: Option<String>,
-    /// Its error number, 0 for none.
+    /// Error number; 0 if there is no error.
     pub error: i64,
-    /// Number of its cycles.
+    /// Number of cycles that the command has run.
     pub cycles: u64,
-    /// What has happened, where it did not end by itself: a fault, or why it was ended by force.
+    /// Description of the fault, or reason of the abort.
     pub why: Option<String>,
-    /// Where in the program the fault is, or the fragment whose cycles took too long, or what set the device that braked.
+    /// Path of the node with the fault, of the fragment whose cycles took too long, or of the node that commanded a
+    /// device which had to brake.
     pub place: Option<String>,
-    /// Where that stands, `line:column`, if it is in the text that the command was loaded from.
+    /// Position `line:column` of `place`, if it is in the text of the command.
     pub at: Option<String>,
-    /// The devices that it left moving, which have braked on their own.
+    /// Devices that the command left moving and that have braked on their own.
     pub braked: Vec<String>,
-    /// By how much its first set-points did not join those of whoever went before, where they did not: which actuator and
-    /// quantity, value and limit.
+    /// Description of the discontinuity between the command's first set-points and those of its predecessor, if there
+    /// was one: actuator, quantity, value and limit.
     pub jump: Option<String>,
 }
 
@@ -171,12 +175,12 @@ pub struct Goal {
     core: Core,
     name: String,
     updates: Receiver<Value>,
-    /// Its end, once that was told.
+    /// Ending of the command, or the error that prevents it; `None` until it is known.
     end: RefCell<Option<Result<Ending, Error>>>,
 }
 
 impl Goal {
-    /// Its name at the server.
+    /// Returns the name of the command at the server.
     #[must_use]
     pub fn name(&self) -> &str {
         &self.name
@@ -190,66 +194,67 @@ impl Goal {
         self.core.call(method, params).map(drop)
     }
 
-    /// Starts it.
+    /// Starts the command.
     ///
     /// # Errors
-    /// If something that it needs is held by another command.
+    /// If another command holds a resource that it needs.
     pub fn start(&self) -> Result<(), Error> {
         self.ask("command.start", &Value::Null)
     }
 
-    /// Lets it run in the cycle after the last one of `after`: by any regular end, or by one of these results.
+    /// Schedules the command as the successor of `after`. It starts in the cycle after the last one of `after`, if
+    /// `after` ends with one of `results`; an empty list means any regular end.
     ///
     /// # Errors
-    /// If it needs what others hold.
+    /// If other commands hold resources that it needs.
     pub fn follow(&self, after: &Goal, results: &[&str]) -> Result<(), Error> {
         let more = json!({"after": after.name, "results": results});
         self.ask("command.schedule", &more)
     }
 
-    /// Sets an input; the text is a value in the notation of nets.
+    /// Sets an input. `value` is a literal in the notation of nets.
     ///
     /// # Errors
-    /// If there is no such input, or the text is no value of its type.
+    /// If the input is unknown or the text is not a value of its type.
     pub fn set(&self, key: &str, value: &str) -> Result<(), Error> {
         self.ask("command.set", &json!({"values": {key: value}}))
     }
 
-    /// Asks it to end, in its own way and on its path.
+    /// Cancels the command. It decides itself how it ends, and stays on its path.
     ///
     /// # Errors
-    /// If it does not run.
+    /// If the command is not running.
     pub fn preempt(&self) -> Result<(), Error> {
         self.ask("command.cancel", &Value::Null)
     }
 
-    /// Ends it at once; devices stop on their own limits.
+    /// Ends the command at once. Devices stop within their own limits.
     ///
     /// # Errors
-    /// If it does not run.
+    /// If the command is not running.
     pub fn abort(&self) -> Result<(), Error> {
         self.ask("command.abort", &Value::Null)
     }
 
-    /// Its cycles that took too long.
+    /// Returns the overruns of the command.
     ///
     /// # Errors
-    /// If it is gone, or there is no connection.
+    /// If the command is unloaded or the connection is closed.
     pub fn overruns(&self) -> Result<Overruns, Error> {
         let params = json!({"command": self.name});
         let told = self.core.call("command.describe", params)?;
         Ok(Overruns::of(&told["overruns"]))
     }
 
-    /// Lets go of it: one that runs is unloaded when it has ended.
+    /// Unloads the command. A running one is unloaded when it has ended.
     ///
     /// # Errors
-    /// If there is no connection.
+    /// If the connection is closed.
     pub fn unload(self) -> Result<(), Error> {
         self.ask("command.unload", &Value::Null)
     }
 
-    /// What it tells, until it has ended or the connection has.
+    /// Returns a blocking iterator over the updates. It ends when the command or the connection has ended.
     pub fn feedback(&self) -> impl Iterator<Item = Feedback> + '_ {
         let mut known = Feedback::default();
         std::iter::from_fn(move || {
@@ -268,7 +273,7 @@ impl Goal {
         })
     }
 
-    /// The next thing that it tells, until it has ended.
+    /// Waits for the next update. Returns `None` once the command or the connection has ended.
     fn next_update(&self) -> Option<Value> {
         if self.end.borrow().is_some() {
             return None;
@@ -280,10 +285,11 @@ impl Goal {
         Some(update)
     }
 
-    /// Waits for its end.
+    /// Waits for the end of the command.
     ///
     /// # Errors
-    /// If the connection ends before, or it is unloaded without having run: it has lost a choice, say.
+    /// If the connection is closed first, or if the command is unloaded without having run, for example because another
+    /// branch was taken.
     pub fn result(&self) -> Result<Ending, Error> {
         while self.next_update().is_some() {}
         let gone = || Err(Error::connection("the control core is gone"));
@@ -291,21 +297,22 @@ impl Goal {
     }
 }
 
-/// Ticks of the server that ended too late and in which a command took the longest. All but the number is of the worst.
+/// Overruns of a command: ticks of the server that ended too late and in which this command took the longest. All
+/// fields but `count` describe the worst one.
 #[derive(Clone, PartialEq, Default, Debug)]
 pub struct Overruns {
-    /// How many there were.
+    /// Number of overruns.
     pub count: u64,
-    /// How long the command computed, s.
+    /// Computing time of the command in s.
     pub took: f64,
-    /// By how much the tick ended too late, s.
+    /// Delay of the end of the tick in s.
     pub late: f64,
-    /// The fragment of the command that was at work; empty for the command itself.
+    /// Path of the fragment that was computed; empty for the command itself.
     pub fragment: String,
 }
 
 impl Overruns {
-    /// From what the server tells, if it tells of any.
+    /// Reads the overruns from the server's answer; zero if there are none.
     fn of(told: &Value) -> Overruns {
         Overruns {
             count: told["count"].as_u64().unwrap_or_default(),
@@ -317,7 +324,7 @@ impl Overruns {
 }
 
 impl Ending {
-    /// From what the server tells.
+    /// Reads the ending from the server's update.
     pub(crate) fn of(told: &Value) -> Ending {
         let text = |key: &str| told[key].as_str().map(str::to_owned);
         let braked = told["braked"].as_array().into_iter().flatten();

@@ -1,4 +1,4 @@
-//! Client of the control core (`rpi serve`), with the shape of goal, feedback, result, preempt.
+//! Client of the control core (`rpi serve`), with an interface of goal, feedback, result and preempt as in ROS actions.
 //!
 //! ```no_run
 //! use rpi_client::{Core, OnLoss, Program};
@@ -15,8 +15,8 @@
 //! ```
 //! [`Session::load_task`] does the same for a whole task of a program, and [`Core::emergency_stop`] stops everything.
 //!
-//! It speaks JSON-RPC 2.0 over the server's websocket, on one thread of its own per connection; calls wait for their answer.
-//! This crate must not know how the server does anything.
+//! The client speaks JSON-RPC 2.0 over the server's websocket, on its own thread per connection. Calls block until they
+//! are answered. This crate must not know how the server does anything.
 
 mod connection;
 mod error;

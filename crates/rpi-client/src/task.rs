@@ -1,4 +1,4 @@
-//! Tasks of programs, which the server carries out.
+//! Tasks of programs, executed by the server.
 
 use std::cell::RefCell;
 use std::sync::mpsc::{Receiver, channel};
@@ -12,22 +12,22 @@ use crate::goal::Ending;
 /// How a task has ended.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct TaskEnd {
-    /// `done`, `failed` or `cancelled`.
+    /// Final state: `done`, `failed` or `cancelled`.
     pub state: String,
-    /// What could not be started, and why.
+    /// Commands that could not be started, and the reason.
     pub trouble: Option<String>,
-    /// The latest of its commands that have ended.
+    /// The latest ended commands of the task.
     pub steps: Vec<Step>,
 }
 
-/// A command of a task that has ended.
+/// An ended command of a task.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Step {
-    /// Its name in the program.
+    /// Name of the command in the program.
     pub command: String,
-    /// How it has ended.
+    /// How the command has ended.
     pub ending: Ending,
-    /// A branch of the task was for its error.
+    /// Whether a branch of the task handles its error.
     pub handled: bool,
 }
 
@@ -37,7 +37,7 @@ pub struct Task {
     core: Core,
     name: String,
     updates: Receiver<Value>,
-    /// Its end, once that was told.
+    /// Ending of the task, or the error that prevents it; `None` until it is known.
     end: RefCell<Option<Result<TaskEnd, Error>>>,
 }
 
@@ -46,6 +46,7 @@ impl Task {
         let loaded = core.call("task.load", params)?;
         let name = loaded["task"].as_str().unwrap_or_default().to_owned();
         let (listener, updates) = channel();
+        // Before `watch.task`: its first update may arrive together with its answer and would be lost.
         core.listen(&name, listener)?;
         core.call("watch.task", json!({"task": name}))?;
         Ok(Task {
@@ -56,7 +57,7 @@ impl Task {
         })
     }
 
-    /// Its name at the server.
+    /// Returns the name of the task at the server.
     #[must_use]
     pub fn name(&self) -> &str {
         &self.name
@@ -67,34 +68,34 @@ impl Task {
         self.core.call(method, params).map(drop)
     }
 
-    /// Starts it.
+    /// Starts the task.
     ///
     /// # Errors
-    /// If it was started before, or everything is stopped.
+    /// If the task was started before or an emergency stop is in force.
     pub fn start(&self) -> Result<(), Error> {
         self.ask("task.start")
     }
 
-    /// Asks it to end: nothing follows, and what runs is asked to end.
+    /// Cancels the task: no further command starts, and running ones are cancelled.
     ///
     /// # Errors
-    /// If it does not run.
+    /// If the task is not running.
     pub fn preempt(&self) -> Result<(), Error> {
         self.ask("task.cancel")
     }
 
-    /// Lets go of it: one that runs is unloaded when it has ended.
+    /// Unloads the task. A running one is unloaded when it has ended.
     ///
     /// # Errors
-    /// If there is no connection.
+    /// If the connection is closed.
     pub fn unload(self) -> Result<(), Error> {
         self.ask("task.unload")
     }
 
-    /// Waits for its end.
+    /// Waits for the end of the task.
     ///
     /// # Errors
-    /// If the connection ends before, or it is unloaded without having run.
+    /// If the connection is closed first, or if the task is unloaded without having run.
     pub fn result(&self) -> Result<TaskEnd, Error> {
         while self.end.borrow().is_none() {
             let told = self.updates.recv();

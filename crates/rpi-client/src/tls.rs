@@ -1,4 +1,4 @@
-//! TLS to a server that an authority of ours vouches for.
+//! TLS connection to a server with a trusted certificate.
 
 use std::net::TcpStream;
 use std::path::Path;
@@ -12,8 +12,8 @@ use rustls::{ClientConfig, ClientConnection, RootCertStore, StreamOwned};
 use crate::connection::Stream;
 use crate::error::Error;
 
-/// Shakes hands with the server at `address` (`host:port`), whose certificate one of those in a PEM file must have signed,
-/// or be.
+/// Starts TLS with the server at `address` (`host:port`). Its certificate must be in the PEM file `authorities` or be
+/// signed by one in it.
 pub(crate) fn secure(
     stream: TcpStream,
     address: &str,

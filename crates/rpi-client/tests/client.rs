@@ -1,4 +1,4 @@
-//! The client against a server.
+//! The client with a real server in the same process.
 
 use std::collections::VecDeque;
 use std::net::{Ipv4Addr, SocketAddr};
@@ -17,7 +17,7 @@ let
 tel
 ";
 
-/// A server that shows who it is by a certificate of its own making, and the file that has it.
+/// Starts a server with a self-signed certificate. Returns it with the path of the certificate file.
 #[cfg(feature = "tls")]
 fn secure(folder: &std::path::Path) -> (Server, std::path::PathBuf) {
     let made = rcgen::generate_simple_self_signed(["localhost".to_owned()]).unwrap();
@@ -91,7 +91,7 @@ fn goals_follow_one_another_and_tell_how_it_goes() {
     session.close().unwrap();
 }
 
-/// Who has lost a choice was unloaded by the core, and whoever waits for it is told so.
+/// A command that can no longer be started is unloaded by the core, and waiting for its result returns an error.
 #[test]
 fn losers_are_told_that_they_will_not_run() {
     let server = server(None);
@@ -133,7 +133,7 @@ let
 tel
 ";
 
-/// M11.6, M11.7.
+/// Rules M11.6 and M11.7.
 #[test]
 fn a_task_is_carried_out_by_the_server() {
     let server = server(None);
@@ -160,8 +160,7 @@ fn a_task_is_carried_out_by_the_server() {
     endless.unload().unwrap();
 }
 
-/// A task does not outlive an emergency stop: neither one whose commands end in every tick, nor one that has only just been
-/// started.
+/// An emergency stop ends every task: one whose commands end in every tick, and one that has only just been started.
 #[test]
 fn an_emergency_stop_ends_tasks() {
     let server = server(None);
@@ -188,7 +187,7 @@ task Endless let repeat let Tick(); Tick(); tel tel";
     }
 }
 
-/// Everything is stopped, whoever it belongs to, and stays so until it is reset.
+/// An emergency stop ends the commands of all clients and holds until the reset.
 #[test]
 fn an_emergency_stop_holds_until_it_is_reset() {
     let server = server(None);
@@ -222,7 +221,7 @@ fn an_emergency_stop_holds_until_it_is_reset() {
     assert_eq!(ready.result().unwrap().result.as_deref(), Some("over"));
 }
 
-/// What belongs to one client no other starts, ends or changes; what it has opened for all, everybody does.
+/// Only the owner of a session may start, end or change its commands, unless the session is shared.
 #[test]
 fn a_session_belongs_to_its_client() {
     let server = server(None);
@@ -280,8 +279,8 @@ fn reasons_tokens_and_lost_connections_are_errors() {
     assert!(matches!(goal.start(), Err(Error::Connection(_))));
 }
 
-/// The paper's Listing 1 is a loop in a general language: each round loads a motion and schedules it on the one before, while
-/// that one runs. Every motion to C is taken over at B, and what is over leaves nothing behind.
+/// Listing 1 of the paper is a loop in a general-purpose language: each round loads a motion and schedules it as the
+/// successor of the running one. Every motion to C is taken over at B, and no ended command remains at the server.
 #[test]
 fn a_loop_outside_blends_motions_for_as_long_as_it_goes_on() {
     let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/blending");

@@ -1,7 +1,7 @@
-//! Running a command on a clock: simulated and real time, recording, replay against traces, plots.
+//! Host side of the control core: simulated and real-time execution, recording, trace replay, tests and plots.
 //!
-//! This crate stands on the host's side of the cycle: it may read files, allocate and format. It must not know how a
-//! program is compiled; it takes nets and images.
+//! Code here runs outside the real-time cycle, so it may read files, allocate and format. It takes nets and images and
+//! must not depend on the compiler.
 
 pub mod claims;
 pub mod control;

@@ -1,4 +1,4 @@
-//! How long a cycle takes on this machine, with caches as cold as they are when a cycle comes once in a millisecond.
+//! Cycle time on this machine, measured with the cold caches that a cycle meets when it runs once per millisecond.
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -7,16 +7,19 @@ use rpi_core::{Machine, Moment};
 use rpi_device::NoDevices;
 use rpi_image::Image;
 
-/// Bytes that are touched between two cycles: more than a core's caches hold.
+/// Number of bytes written between two measured cycles. It exceeds the cache size of a core, so every cycle starts with
+/// cold caches.
 const OTHER_WORK: usize = 32 << 20;
 
-/// Bytes of a line of a cache.
+/// Length of a cache line in bytes.
 const LINE: usize = 64;
 
-/// The time of a cycle that half of all cycles keep, nanoseconds: what other programs on the machine take is not in it.
+/// Returns the median time of a cycle in nanoseconds over `cycles` cycles with cold caches.
+///
+/// The median excludes most delays caused by other programs on the machine.
 ///
 /// # Errors
-/// Why the image cannot be loaded.
+/// Returns the load errors, joined into one line, if the image cannot be loaded.
 pub fn cold_cycle_ns(image: Image, cycles: usize) -> Result<u64, String> {
     let machine = Machine::load(image, &mut NoDevices);
     let mut machine = machine.map_err(|faults| {

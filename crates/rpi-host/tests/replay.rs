@@ -1,11 +1,11 @@
-//! Small nets against small traces: what a replay finds, and what it says of it.
+//! Replays of small nets against small traces: detected differences and the report.
 
 use rpi_diag::FileId;
 use rpi_host::replay::{Options, ReplayError, Report, replay};
 use rpi_host::trace::Trace;
 use rpi_net::Net;
 
-/// x counts up by an input's value; y doubles it; f holds a constant while the input is positive.
+/// Test net: x counts up by the value of an input; y doubles x; f holds a constant while the input is positive.
 const NET: &str = "{k=Core::DoubleNetcommIn(Key='k',Value='1.0'),x=Core::Clock(inIncrement=k.outValue),\
     y=Core::DoubleAdd(inFirst=x.outValue,inSecond=x.outValue),p=Core::DoublePre(inValue=y.outValue),\
     on=Core::DoubleGreater(inFirst=k.outValue,Second='0'),\
@@ -25,7 +25,7 @@ fn run(rows: &str) -> Result<Report, ReplayError> {
     replay(&net(NET), &Trace::parse(&text).unwrap(), &options)
 }
 
-/// One cycle of the trace that fits the net.
+/// Returns one cycle of a trace that agrees with the net.
 fn cycle(n: u32, k: f64, x: f64, before: Option<f64>) -> String {
     let on = k > 0.0;
     let mut rows = format!(
@@ -55,7 +55,8 @@ fn a_true_trace_agrees_and_everything_is_counted() {
     assert!(report.agrees(), "{report}");
     assert_eq!(report.cycles, 3);
     assert_eq!(report.taken, 3);
-    // x, y, p, on, c and the border of f in three cycles; k.outLastUpdated is taken, p is absent once, c and f once.
+    // 18 = x, y, p, on, c and the out-port of f in three cycles. k.outLastUpdated is an input; p is absent once, c and
+    // f once.
     assert_eq!(report.compared.values + report.compared.absences, 18);
     assert_eq!(report.compared.absences, 3);
 }
@@ -116,7 +117,7 @@ fn an_inactive_fragment_is_absent_inside_and_at_its_border() {
 #[test]
 fn a_cycle_without_rows_is_a_cycle_in_which_everything_was_absent() {
     let report = run(&cycle(2, 1.0, 0.5, None)).unwrap();
-    // Without an input nothing is computed; the fragment runs, as only an explicit false stops it.
+    // Without the input no value is computed. The fragment is active, because only an explicit false deactivates it.
     let first: Vec<&str> = report
         .ports
         .iter()

@@ -1,4 +1,4 @@
-//! Conditions of rules as clients write them.
+//! Parser of rule conditions as clients write them.
 //!
 //! ```text
 //! condition = term { "|" term }
@@ -6,49 +6,49 @@
 //! factor    = "!" factor | "(" condition ")" | "t" | "f" | command "." export | command "@" fact
 //! fact      = "ended" | "regular" | "failed" | "result" "(" name ")" | "error" "(" number ")"
 //! ```
-//! The DirectIO protocol knows all of it but the facts.
+//! The DirectIO protocol has all of it except `command "@" fact`.
 
-/// A condition.
+/// Syntax tree of a condition.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) enum Expr {
-    /// Always.
+    /// Always true.
     True,
-    /// Never.
+    /// Always false.
     False,
-    /// Not this.
+    /// Negation.
     Not(Box<Expr>),
-    /// Both.
+    /// Conjunction.
     And(Box<Expr>, Box<Expr>),
-    /// One of them.
+    /// Disjunction.
     Or(Box<Expr>, Box<Expr>),
-    /// Something about a command, by its name.
+    /// A fact about the command with this name.
     Said(String, Saying),
 }
 
-/// What can be said about a command.
+/// A fact about a command, before its names are resolved.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) enum Saying {
-    /// This exported Boolean is true.
+    /// The Boolean export with this key is true.
     Export(String),
-    /// It has ended.
+    /// The command has ended.
     Ended,
-    /// It has ended by itself, without error, and was not cancelled.
+    /// The command has ended without error and was not cancelled, aborted or stopped.
     Regular,
-    /// It has ended with an error, a fault or an abort.
+    /// The command has ended with an error, a fault or an abort.
     Failed,
-    /// It has ended by this result.
+    /// The command has ended with the result of this name.
     Result(String),
-    /// It has ended with this error number.
+    /// The command has ended with this error number.
     Error(i64),
 }
 
-/// Nested deeper than this a condition is refused.
+/// Maximum nesting depth of a condition.
 const DEPTH: usize = 32;
-/// A condition that says more is refused.
+/// Maximum number of facts in a condition.
 const MOST: usize = 256;
 
 impl Expr {
-    /// How many facts it is made of.
+    /// Returns the number of facts in the condition.
     pub(crate) fn facts(&self) -> usize {
         match self {
             Expr::Not(inner) => inner.facts(),
@@ -58,10 +58,10 @@ impl Expr {
     }
 }
 
-/// Reads a condition.
+/// Parses a condition.
 ///
 /// # Errors
-/// If the text is none, with the place.
+/// If the text is not a condition; the message has the byte offset.
 pub(crate) fn parse(text: &str) -> Result<Expr, String> {
     let mut reader = Reader {
         text,
@@ -79,7 +79,7 @@ pub(crate) fn parse(text: &str) -> Result<Expr, String> {
 struct Reader<'a> {
     text: &'a str,
     at: usize,
-    /// How much more it may say.
+    /// Number of facts that may still follow.
     left: usize,
 }
 
@@ -94,7 +94,7 @@ impl<'a> Reader<'a> {
     }
 
     fn expected(&self, what: &str) -> String {
-        format!("{what} was expected at sign {} of the condition", self.at)
+        format!("expected {what} at byte {} of the condition", self.at)
     }
 
     fn next_is(&mut self, sign: char) -> bool {

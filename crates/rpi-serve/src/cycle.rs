@@ -1,6 +1,6 @@
-//! The cycle's thread: one tick after the other, on the beat, until the server closes.
+//! The cycle thread: runs one tick per period until the server closes.
 //!
-//! Nothing here allocates, frees, locks, waits for anybody or formats text, once the system was asked for what it grants.
+//! After the set-up of the thread, nothing here allocates, frees, locks, blocks or formats text.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
@@ -11,30 +11,31 @@ use rpi_host::realtime::{self, Beat, Grant, RealTime};
 use rpi_host::recording::{Camera, Taped};
 use rpi_sim::SimBank;
 
-/// The core with its devices, its beat, and who looks at every command after each of its cycles.
+/// The core with its devices, its timer and the observer that is called for every command after each of its cycles.
 pub(crate) struct Cycle {
     pub(crate) executive: Executive<Taped<SimBank>>,
     pub(crate) beat: Beat,
     pub(crate) watch: Box<dyn Watch + Send>,
-    /// How a tick is run.
+    /// Wrapper around each tick; it must call its argument once.
     pub(crate) around_tick: fn(&mut dyn FnMut()),
-    /// There is to be no other tick.
+    /// Set when the thread must stop; no further tick starts.
     pub(crate) over: Arc<AtomicBool>,
-    /// Somebody wants an emergency stop: everything is stopped at the end of each tick until this is taken back.
+    /// Emergency stop request: while it is set, everything is stopped at the end of each tick.
     pub(crate) alarm: Arc<AtomicBool>,
-    /// Takes in what is recorded, if it is.
+    /// Recorder of each tick, if the run is recorded.
     pub(crate) camera: Option<Camera>,
-    /// How many ticks the recording has lost, once there will be no more.
+    /// Number of ticks missing from the recording. Set after the last tick.
     pub(crate) lost: Arc<OnceLock<u64>>,
 }
 
 impl Cycle {
-    /// Asks the system for what is wanted, tells what it grants, and ticks. Behind a fence it never comes back.
+    /// Requests the real-time settings from the system, publishes the results in `granted` and runs the ticks. With the
+    /// system-call fence up, this function never returns.
     pub(crate) fn run(mut self, real_time: Option<RealTime>, granted: &OnceLock<Vec<Grant>>) {
         let grants = real_time.map(realtime::begin).unwrap_or_default();
         let fenced = grants.iter().any(realtime::is_fence_up);
         self.beat.restart();
-        // Whoever opens the server looks for this again and again: to tell it takes no system call.
+        // `Server::run` polls this cell. Setting it takes no system call, which the fence would forbid.
         let _ = granted.set(grants);
         let around_tick = self.around_tick;
         while !self.over.load(Ordering::Relaxed) {
@@ -54,6 +55,7 @@ impl Cycle {
             executive.tick(wall_ns, watch);
             let too_often = self.beat.over(now);
             let late = self.beat.overrun();
+            // `|` instead of `||`: the overrun must be attributed to its command in any case.
             let too_often = too_often | late.is_some_and(|late| executive.too_late(late));
             if let Some(why) = reason_to_stop(&self.alarm, too_often) {
                 executive.halt(why);
@@ -63,6 +65,7 @@ impl Cycle {
         camera.tick(executive, wall_ns, watch);
         let too_often = self.beat.over(now);
         let late = self.beat.overrun();
+        // `|` for the same reason as above.
         let too_often = too_often | late.is_some_and(|late| camera.too_late(executive, late));
         if let Some(why) = reason_to_stop(&self.alarm, too_often) {
             camera.halt(executive, why);
@@ -71,7 +74,7 @@ impl Cycle {
     }
 }
 
-/// Why everything is to be stopped, if it is.
+/// Returns the reason to stop everything, if there is one.
 fn reason_to_stop(alarm: &AtomicBool, too_often: bool) -> Option<Why> {
     match (alarm.load(Ordering::Relaxed), too_often) {
         (true, _) => Some(Why::EmergencyStop),

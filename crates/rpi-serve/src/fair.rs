@@ -1,15 +1,15 @@
-//! How places that are there once for all clients are shared: nobody can take them all, however many others there are.
+//! Fair sharing of limited resources: no client can take all of them, however many clients there are.
 //!
-//! A client has no more of something than is free for others, and those from one place together no more than three times that. So
-//! whoever is alone gets half of it, two get a third each, and something is left for whoever comes next (Choudhury and Hahne 1998, on
-//! buffers that ports of a switch share; see ADR 0011).
+//! A client may hold at most as much as it leaves free for others, and all clients of one peer together at most three
+//! times that. So a single client gets half, two get a third each, and something is always left for the next one
+//! (dynamic thresholds: Choudhury and Hahne 1998, on shared buffers of switch ports; see ADR 0011).
 
 use crate::peer::Peer;
 
-/// How much more than what is free all clients from one place may have together.
+/// All clients of one peer may together hold this many times the free amount.
 const OF_PEER: usize = 3;
 
-/// A connection.
+/// A client connection.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(crate) struct Client {
     number: u64,
@@ -21,24 +21,24 @@ impl Client {
         Client { number, peer }
     }
 
-    /// Where it comes from.
+    /// Returns the peer (network origin) of the client.
     pub(crate) fn peer(&self) -> Peer {
         self.peer
     }
 }
 
-/// Whose something is.
+/// Owner of a held resource.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Holder {
-    /// A client that is there.
+    /// A connected client.
     Is(Client),
-    /// One that is gone: it counts for where it came from.
+    /// A disconnected client. The resource still counts for its peer.
     Was(Client),
-    /// Nobody's in particular.
+    /// No client in particular.
     Nobody,
 }
 
-/// How much of something is taken, as somebody sees it who wants more.
+/// Amount of a resource in use, as seen by a client that requests more.
 #[derive(Clone, Copy, Default, Debug)]
 pub(crate) struct Taken {
     all: usize,
@@ -46,19 +46,19 @@ pub(crate) struct Taken {
     of_client: usize,
 }
 
-/// Why somebody gets no more.
+/// Reason for rejecting a request for more of a resource.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Full {
-    /// There is not so much left.
+    /// Not enough is left.
     All,
-    /// It would be more than its share.
+    /// The share of the client would be exceeded.
     Share,
-    /// It would be more than the share of all that come from where it does.
+    /// The share of all clients of the peer would be exceeded.
     Place,
 }
 
 impl Taken {
-    /// What these have, as this one sees it.
+    /// Sums up the held amounts, as seen by `client`.
     pub(crate) fn by(
         client: Option<Client>,
         held: impl IntoIterator<Item = (Holder, usize)>,
@@ -81,7 +81,7 @@ impl Taken {
         taken
     }
 
-    /// Of places that only where one comes from counts for.
+    /// Usage of a resource that is shared by peer only, not by client.
     pub(crate) fn by_peer(all: usize, of_peer: usize) -> Taken {
         Taken {
             all,
@@ -90,7 +90,7 @@ impl Taken {
         }
     }
 
-    /// Fails if so much more is too much.
+    /// Returns an error if `more` would exceed `limit` or a share of it.
     pub(crate) fn admit(&self, more: usize, limit: usize) -> Result<(), Full> {
         let free = limit.saturating_sub(self.all);
         let share = |own: usize, times: usize| own + more <= free.saturating_mul(times);
@@ -113,7 +113,7 @@ mod tests {
         Client::new(number, Peer::of([10, 0, 0, peer].into()))
     }
 
-    /// Lets these clients take places of 256, in turns, until none gets another one.
+    /// Lets the clients take units of 256 in turn until none gets another one. Returns the units of each client.
     fn scramble(clients: &[Client]) -> Vec<usize> {
         let mut has = vec![0; clients.len()];
         loop {

@@ -1,14 +1,15 @@
-//! The control core as a server: commands are loaded, started, scheduled and watched from outside while others run.
+//! Network server for the control core. Clients load, start, schedule and watch commands while others run.
 //!
 //! ```text
 //! clients --- wire (HTTP, websocket, lines) --- dio | rpc | web --- desk ==rpi_host::control== cycle
 //! ```
-//! - `cycle` ticks the core and the devices, on one thread that nobody else ever holds up.
-//! - `desk` keeps the books beside it: sessions, commands, rules, devices, who is told what. Loading has a thread of its own.
-//! - `dio` speaks the DirectIO protocol of the reference system, `rpc` JSON-RPC 2.0, `web` the pages of both.
-//! - `wire` moves bytes and decides who may come in.
+//! - `cycle` runs the core and the devices on one thread that never blocks on another thread.
+//! - `desk` holds the server state: sessions, commands, rules, devices and subscriptions. Loading has its own thread.
+//! - `dio` implements the DirectIO protocol of the reference system, `rpc` JSON-RPC 2.0, `web` the HTTP pages of both.
+//! - `wire` does transport and authentication.
 //!
-//! This crate must not know what a primitive computes or how a net is compiled; it asks `rpi-driver` and `rpi-core`.
+//! This crate must not know what a primitive computes or how a net is compiled; it uses `rpi-driver` and `rpi-core` for
+//! both.
 
 mod condition;
 mod cycle;

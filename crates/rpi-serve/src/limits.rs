@@ -1,45 +1,48 @@
-//! How much a client may ask for, and what becomes of its commands once it is gone.
+//! Resource limits per server and the policy for commands of a disconnected client.
 
 use std::time::Duration;
 
-/// What the server grants; beyond it requests are refused and connections closed, never the cycle slowed down.
+/// Resource limits. A request beyond a limit is rejected or its connection is closed; the control cycle is never slowed
+/// down.
 ///
-/// Of connections, sessions, commands, memory and rules no client has more than it leaves free for others, and all clients from one
-/// place (an address, a network of IPv6, this machine) together have at most three times that.
+/// For connections, sessions, commands, memory and rules, a client may hold at most as much as it leaves free for
+/// others. All clients of one peer (an address, an IPv6 network, or this machine) together may hold at most three times
+/// that.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Limits {
-    /// Connections at a time.
+    /// Number of open connections.
     pub connections: usize,
-    /// Sessions at a time.
+    /// Number of open sessions.
     pub sessions: usize,
-    /// Commands in the table, and tasks, of all sessions.
+    /// Number of commands in the table plus tasks, over all sessions.
     pub commands: usize,
-    /// Rules at a time, of all sessions.
+    /// Number of active rules, over all sessions.
     pub rules: usize,
-    /// What all rules at a time may say: facts in their conditions, and commands that they stop, cancel and start. The cycle looks
-    /// at all of it in each tick.
+    /// Total size of all active rules: facts in their conditions plus commands that they stop, cancel and start. The
+    /// cycle evaluates all of them in each tick.
     pub facts: usize,
-    /// Cells of memory (8 bytes) that one request may set: numbers, or parts of arrays.
+    /// Memory slots (8 bytes each) that one request may set: numbers or array elements.
     pub values: usize,
-    /// Devices at a time, those of the cell included.
+    /// Number of devices, including those of the cell.
     pub devices: usize,
-    /// Bytes of one message.
+    /// Size of one message in bytes.
     pub message: usize,
-    /// Bytes of memory that commands and tasks may take, of all sessions.
+    /// Memory of commands and tasks in bytes, over all sessions.
     pub memory: usize,
-    /// Messages that may wait for a client that does not read them.
+    /// Number of messages that may be queued for a client that does not read them.
     pub outbox: usize,
-    /// Things that one client may watch.
+    /// Number of subscriptions of one client.
     pub watches: usize,
-    /// Bytes of a name: of a session, a command, a device. Longer ones of devices are refused, others cut off.
+    /// Length of a session, command or device name in bytes. A longer device name is rejected, any other one is
+    /// truncated.
     pub name: usize,
-    /// Loads of one client that may wait; clients take turns.
+    /// Number of loads of one client that may be queued. Clients take turns.
     pub loads: usize,
-    /// How long a client may take from the first byte of a request head to its last.
+    /// Timeout from the first to the last byte of a request head.
     pub patience: Duration,
-    /// How long who shows a wrong token waits for the answer.
+    /// Delay before a request with a wrong token is answered.
     pub penance: Duration,
-    /// How long a client of the native interface may be silent over a websocket, answers to pings included.
+    /// Timeout without any message, answers to pings included, from a client of the native interface over a websocket.
     pub silence: Duration,
 }
 
@@ -66,27 +69,27 @@ impl Default for Limits {
     }
 }
 
-/// What becomes of the commands of a session whose client is gone.
+/// Policy for the commands of a session whose client has disconnected.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub enum OnLoss {
-    /// They run on; another client may look after them.
+    /// Commands keep running; another client may take the session over.
     RunOn,
-    /// They are asked to end, on path; what waits is unloaded.
+    /// Running commands are cancelled and end on their path; waiting ones are unloaded.
     #[default]
     Cancel,
-    /// They end at once, and their devices stop on their own limits.
+    /// Commands end at once, and their devices stop within their own limits.
     Abort,
 }
 
 impl OnLoss {
-    /// All policies by name.
+    /// All policies with their names.
     pub const ALL: [(&'static str, OnLoss); 3] = [
         ("run-on", OnLoss::RunOn),
         ("cancel", OnLoss::Cancel),
         ("abort", OnLoss::Abort),
     ];
 
-    /// The policy of this name.
+    /// Returns the policy with this name.
     pub fn by_name(name: &str) -> Option<OnLoss> {
         let found = Self::ALL.iter().find(|(known, _)| *known == name);
         found.map(|(_, policy)| *policy)

@@ -1,14 +1,15 @@
-//! Where clients come from.
+//! Network origin of clients.
 
 use std::fmt;
 use std::net::{IpAddr, Ipv6Addr};
 
-/// Where a client comes from. Whoever is on this machine counts as one, by whichever way they come.
+/// Network origin of a client. All connections from this machine count as one peer.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(crate) enum Peer {
-    /// From this machine.
+    /// This machine: loopback or Unix socket.
     Here,
-    /// From an address; of one of IPv6 only the network counts, as a machine has as many addresses in it as it likes (RFC 4291).
+    /// A remote address. An IPv6 address is reduced to its /64 network, in which one machine may use any number of
+    /// addresses (RFC 4291).
     There(IpAddr),
 }
 

@@ -1,4 +1,4 @@
-//! What a program's task needs to run: images of its commands, and a plan that names them by their place.
+//! A task ready to load: images of its commands and a plan that refers to them by index.
 
 use std::sync::Arc;
 
@@ -10,16 +10,17 @@ use rpi_net::Net;
 /// A task, ready to be loaded.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Script {
-    /// Its commands.
+    /// Images of the commands.
     pub images: Vec<Arc<Image>>,
-    /// For each the bound on what its primitives do in a cycle, in elementary operations, where a compiler has shown one.
+    /// For each image, the compiler's upper bound on the work of its primitives in a cycle, in elementary operations,
+    /// if known.
     pub work: Vec<Option<u64>>,
-    /// What follows what.
+    /// Plan with indices into `images`: the order of the commands.
     pub plan: Plan,
 }
 
 impl Script {
-    /// A command by itself.
+    /// Creates a script that runs a single command once.
     #[must_use]
     pub fn once((image, work): (Image, Option<u64>)) -> Script {
         Script {
@@ -29,10 +30,10 @@ impl Script {
         }
     }
 
-    /// A task of a program with these nets, its commands lowered by `lower`.
+    /// Creates the script of `task` from the nets of its program; `lower` makes an image of a net.
     ///
     /// # Errors
-    /// What keeps the task, or one of its commands, from being run.
+    /// If the task or one of its commands cannot be run.
     pub fn of_task(
         task: &Task,
         nets: &[Net],
@@ -40,13 +41,12 @@ impl Script {
     ) -> Result<Script, String> {
         let name = &task.name;
         let plan = task.plan.as_ref();
-        let plan =
-            plan.map_err(|why| format!("task {name} needs what cannot be run yet: {why}"))?;
+        let plan = plan.map_err(|why| format!("task {name} cannot be run: {why}"))?;
         let mut used: Vec<String> = Vec::new();
         let plan = resolved(plan, &mut used);
         let lowered = used.iter().map(|command| {
             let net = nets.iter().find(|net| net.name == *command);
-            lower(net.ok_or_else(|| format!("{command} cannot be run by itself"))?)
+            lower(net.ok_or_else(|| format!("{command} cannot be run alone"))?)
         });
         let lowered: Vec<(Image, Option<u64>)> = lowered.collect::<Result<_, String>>()?;
         let (images, work): (Vec<_>, Vec<_>) = lowered
@@ -58,7 +58,7 @@ impl Script {
     }
 }
 
-/// The plan with commands as indices into `used`.
+/// Replaces command names in the plan by indices into `used`, and adds new names to it.
 fn resolved(plan: &TaskPlan, used: &mut Vec<String>) -> Plan {
     let nodes = plan.nodes.iter();
     Plan {

@@ -1,4 +1,4 @@
-//! The server as a whole: opened, running, closed.
+//! Opening, running and closing the server.
 
 use std::fmt;
 use std::io;
@@ -21,51 +21,51 @@ use crate::desk::{Office, bank};
 use crate::limits::{Limits, OnLoss};
 use crate::wire::{Guard, Identity, Reception, Strangers};
 
-/// How often the desk looks what the cycle tells.
+/// Interval at which the server state is updated from the cycle's reports.
 const KEEP: Duration = Duration::from_millis(1);
 
-/// How long devices get to come to rest before the cycle that moves them ends.
+/// Time limit for devices to come to rest before the cycle ends.
 const REST: Duration = Duration::from_secs(5);
 
-/// The thread of the cycle.
+/// Name of the cycle thread.
 const CYCLE: &str = "rpi-cycle";
 
-/// Requests to the cycle that can be under way at once.
+/// Capacity of the request queue to the cycle.
 const REQUESTS: usize = 4096;
 
-/// What a server is to be like.
+/// Configuration of a server.
 #[derive(Clone, Debug)]
 pub struct Settings {
-    /// Where it listens. Beyond loopback it wants a token and TLS.
+    /// Listening address. An address beyond loopback requires a token and TLS.
     pub listen: SocketAddr,
-    /// A Unix socket at which it listens too: JSON-RPC in lines.
+    /// Path of an additional Unix socket: JSON-RPC, one message per line.
     pub socket: Option<PathBuf>,
-    /// What clients must show.
+    /// Token that clients must present.
     pub token: Option<String>,
-    /// Who the server is, where connections are to be encrypted.
+    /// Certificate and key files for encrypted connections.
     pub tls: Option<TlsFiles>,
-    /// Listen beyond loopback without token or TLS all the same.
+    /// Allows listening beyond loopback without token or TLS.
     pub insecure: bool,
-    /// Length of a tick, nanoseconds; periods are whole multiples of it.
+    /// Length of a tick in nanoseconds. Command periods are whole multiples of it.
     pub tick_ns: u64,
-    /// What the ticks follow.
+    /// Time source of the ticks: real or simulated time.
     pub pace: Pace,
-    /// How a tick is run: it must run it once. A test puts a trap for allocations around it.
+    /// Wrapper around each tick; it must call its argument once. Tests use it to trap allocations.
     pub around_tick: fn(&mut dyn FnMut()),
-    /// What is asked of the system for the thread that ticks, and what happens if a tick ends when the next one is due already;
-    /// nothing for a thread as any other.
+    /// Real-time settings requested for the cycle thread and the policy for ticks that end after the next one is due.
+    /// `None` runs an ordinary thread.
     pub real_time: Option<RealTime>,
-    /// What happens if a command takes over with a jump. Unless said, programs are refused then, and nets of the reference
-    /// system are allowed to: they are written for control cores that do not look.
+    /// Policy for a takeover with a jump. With `None`, such a command is refused if it comes from a program and allowed
+    /// if it comes from a net of the reference system, which was written for control cores without this check.
     pub continuity: Option<Continuity>,
-    /// What becomes of a session's commands when its client is gone, where the client does not say.
+    /// Policy for the commands of a session whose client has disconnected, unless the client specifies one.
     pub on_loss: OnLoss,
-    /// How much of a tick commands may take together at most, from 0 to 1, by the bounds that the compiler has for them: those beyond
-    /// are refused. The rest is for requests and devices. Without it nobody sees to that.
+    /// Maximum share of a tick for all commands together, from 0 to 1, by the compiler's bounds. Commands beyond it are
+    /// rejected; the rest of the tick is for requests and devices. `None` disables the check.
     pub share: Option<f64>,
-    /// Time of an elementary operation, nanoseconds: `rpic machine` measures the worst.
+    /// Time of an elementary operation in nanoseconds; `rpic machine` measures the worst case.
     pub ns_per_operation: f64,
-    /// How much clients may ask for.
+    /// Resource limits of clients.
     pub limits: Limits,
 }
 
@@ -90,30 +90,30 @@ impl Default for Settings {
     }
 }
 
-/// Files in PEM by which a server shows who it is.
+/// PEM files that identify the server.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct TlsFiles {
-    /// Its certificate, and those between it and an authority that clients trust.
+    /// Certificate chain: the server's certificate, then the intermediate ones up to an authority that clients trust.
     pub certificates: PathBuf,
-    /// Its private key.
+    /// Private key of the certificate.
     pub key: PathBuf,
 }
 
-/// Why a server does not open.
+/// Error of opening a server.
 #[derive(Debug)]
 pub enum CannotOpen {
-    /// It would be open to others beyond this machine.
+    /// The server would be reachable from other machines without protection.
     Unguarded {
-        /// Where it was to listen.
+        /// Configured listening address.
         at: SocketAddr,
-        /// Everybody could come in.
+        /// No token is configured: every client would be accepted.
         no_token: bool,
-        /// Everybody on the way could read and change what is said.
+        /// TLS is not configured: the traffic could be read and changed on its way.
         no_tls: bool,
     },
-    /// A file by which it shows who it is cannot be used.
+    /// The certificate or key file cannot be used; the text has the reason.
     Identity(String),
-    /// The system does not give what it needs.
+    /// A system call failed.
     System(io::Error),
 }
 
@@ -133,7 +133,7 @@ impl fmt::Display for CannotOpen {
                 let code = rpi_diag::Code::RPI9201;
                 write!(
                     f,
-                    "{code}: {at} can be reached from other machines: {lacking} needed"
+                    "{code}: {at} can be reached from other machines; it requires {lacking}"
                 )
             }
             CannotOpen::Identity(why) => f.write_str(why),
@@ -145,7 +145,7 @@ impl fmt::Display for CannotOpen {
 impl std::error::Error for CannotOpen {}
 
 impl Settings {
-    /// Beyond loopback a server wants a token, and TLS.
+    /// Returns an error if the address is beyond loopback and the token or TLS is missing.
     fn guarded(&self) -> Result<(), CannotOpen> {
         let (no_token, no_tls) = (self.token.is_none(), self.tls.is_none());
         let local = self.listen.ip().is_loopback();
@@ -159,7 +159,7 @@ impl Settings {
         }
     }
 
-    /// What commands may take of a tick.
+    /// Returns the budget of commands per tick, if it is limited.
     fn budget(&self) -> Option<Budget> {
         let share = self.share?;
         Some(Budget::of(
@@ -182,7 +182,7 @@ impl From<io::Error> for CannotOpen {
     }
 }
 
-/// Why it cannot listen at an address, with what helps.
+/// Adds the address and a hint to an error of binding it.
 fn not_there(at: SocketAddr, why: &io::Error) -> io::Error {
     let helps = match why.kind() {
         io::ErrorKind::AddrInUse => {
@@ -194,29 +194,29 @@ fn not_there(at: SocketAddr, why: &io::Error) -> io::Error {
     io::Error::new(why.kind(), format!("{at}: {why}{helps}"))
 }
 
-/// A running server. Dropping it closes it: everything is stopped, and ticks go on until devices stand still.
+/// A running server. Dropping it stops everything and closes it; the cycle runs until the devices are at rest.
 #[derive(Debug)]
 pub struct Server {
     address: SocketAddr,
-    /// The socket that it has made, to be removed.
+    /// Path of the Unix socket that the server created and must remove.
     socket: Option<PathBuf>,
     grants: Vec<Grant>,
-    /// Clients are no longer heard.
+    /// Set when connections must end and no further one is accepted.
     closing: Arc<AtomicBool>,
-    /// The cycle and the desk end.
+    /// Set when the threads of the cycle and the server state must end.
     over: Arc<AtomicBool>,
     threads: Vec<JoinHandle<()>>,
     office: Option<Office>,
-    /// How many ticks its recording has lost, once there will be no more.
+    /// Number of ticks missing from the recording. Set after the last tick.
     lost: Arc<OnceLock<u64>>,
 }
 
 impl Server {
-    /// Opens a server for the devices of a cell. `watch` looks at every command after each of its cycles, on the cycle's
-    /// thread: `()` for nobody.
+    /// Opens a server for the devices of a cell. `watch` is called for every command after each of its cycles, on the
+    /// cycle thread; `()` observes nothing.
     ///
     /// # Errors
-    /// If it may not listen where it should, or the system does not let it.
+    /// If the address requires a token or TLS, a certificate cannot be used, or a system call fails.
     pub fn open(
         cell: &Cell,
         settings: &Settings,
@@ -225,10 +225,10 @@ impl Server {
         Server::open_recorded(cell, settings, watch, None)
     }
 
-    /// As [`Server::open`]; everything that its core does is recorded, until it is [closed](Server::close).
+    /// As [`Server::open`], and records everything that the core does until the server is [closed](Server::close).
     ///
     /// # Errors
-    /// As there, and those of the recording's file.
+    /// Those of [`Server::open`], and those of writing the recording.
     pub fn open_recorded(
         cell: &Cell,
         settings: &Settings,
@@ -288,7 +288,8 @@ impl Server {
             ..Options::default()
         };
         let devices = Taped::new(bank(cell, limits.devices, tick_ns));
-        // Names are resolved by the loader, against a twin of the devices.
+        // `NoDevices`: the loader resolves device names against its own copy of the devices, so that it never waits for
+        // the cycle.
         let (mut control, mut executive) = open(devices, Box::new(NoDevices), options);
         let guard = (tick_ns, settings.continuity.unwrap_or_default());
         let record = |wanted| record(wanted, cell, guard, (&mut control, &mut executive));
@@ -316,7 +317,7 @@ impl Server {
         Ok(office)
     }
 
-    /// Has the cycle run on its thread, and waits until that has heard what the system grants.
+    /// Starts the cycle thread and waits until it has published the system's grants.
     fn run(&mut self, cycle: Cycle, real_time: Option<RealTime>) -> io::Result<()> {
         let granted = Arc::new(OnceLock::new());
         let tell = Arc::clone(&granted);
@@ -327,7 +328,7 @@ impl Server {
         }
         self.grants = granted.get().cloned().unwrap_or_default();
         if self.grants.iter().any(realtime::is_fence_up) {
-            // It cannot end behind its fence: nobody waits for it.
+            // A fenced thread cannot exit (that takes a system call), so it must not be joined.
             self.threads.pop();
         }
         Ok(())
@@ -352,39 +353,39 @@ impl Server {
         Ok(())
     }
 
-    /// What the system has said to what was asked of it for the thread that ticks.
+    /// Returns the system's answers to the real-time settings requested for the cycle thread.
     #[must_use]
     pub fn grants(&self) -> &[Grant] {
         &self.grants
     }
 
-    /// An emergency stop: in this tick everything is stopped, and nothing can be started until it is reset. `by` says who wants
-    /// it, or why.
+    /// Stops everything in this tick. Nothing can be started until the emergency stop is reset. `by` names who
+    /// requested it, or the reason.
     pub fn emergency_stop(&self, by: &str) {
         if let Some(office) = &self.office {
             office.desk().emergency_stop(by, Box::new(|_| {}));
         }
     }
 
-    /// What somebody should know who looks after it, since they were last asked for: that a recording has come to its end as the disk
-    /// is full, that wrong tokens are shown. What runs is not disturbed by it.
+    /// Takes the warnings for the operator since the last call, such as a full disk that ended the recording or wrong
+    /// tokens. The run continues.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
         let office = self.office.as_ref();
         office.map_or_else(Vec::new, |office| office.desk().warnings())
     }
 
-    /// Where it listens.
+    /// Returns the listening address.
     #[must_use]
     pub fn address(&self) -> SocketAddr {
         self.address
     }
 
-    /// Closes it: clients are no longer heard, everything is stopped, and ticks go on until all devices stand still, for at most
-    /// five seconds. What was recorded, if it was.
+    /// Closes the server: it stops accepting requests, stops everything and runs the cycle until all devices are at
+    /// rest, for at most five seconds. Returns the statistics of the recording, if there is one.
     ///
     /// # Errors
-    /// Those of the recording.
+    /// Those of writing the recording.
     pub fn close(mut self) -> io::Result<Option<Written>> {
         self.end()
     }
@@ -395,6 +396,7 @@ impl Server {
         self.over.store(true, Ordering::Relaxed);
         let fenced = self.grants.iter().any(realtime::is_fence_up);
         self.wait();
+        // A fenced thread cannot be joined; `lost` is set after its last tick.
         while fenced && self.lost.get().is_none() {
             thread::sleep(KEEP);
         }
@@ -403,7 +405,7 @@ impl Server {
         office.map_or(Ok(None), |office| office.desk().finish_recording(lost))
     }
 
-    /// Stops everything, and waits until the devices stand still: nobody lets go of an arm that moves.
+    /// Stops everything and waits until the devices are at rest. A moving arm must not lose its controller.
     fn come_to_rest(&self) {
         let Some(office) = &self.office else {
             return;
@@ -415,14 +417,14 @@ impl Server {
         }
     }
 
-    /// Whether the cycle is still there to move devices.
+    /// Returns whether the cycle thread is still running.
     fn ticks(&self) -> bool {
         let mut threads = self.threads.iter();
         let ended = |t: &JoinHandle<()>| t.thread().name() == Some(CYCLE) && t.is_finished();
         !threads.any(ended)
     }
 
-    /// Whether it still serves: only a fault ends it from inside.
+    /// Returns whether all threads of the server are running. Only a crash ends one before the server is closed.
     #[must_use]
     pub fn runs(&self) -> bool {
         !self.threads.iter().any(JoinHandle::is_finished)
@@ -437,7 +439,7 @@ impl Server {
 
 impl Drop for Server {
     fn drop(&mut self) {
-        // Whoever wants to know what became of a recording closes it.
+        // Errors of the recording are lost here; `close` returns them.
         let _ = self.end();
         if let Some(path) = &self.socket {
             let _ = std::fs::remove_file(path);
@@ -451,13 +453,13 @@ mod tests {
     use crate::desk::{Language, Load, Sink, Update};
     use crate::peer::Peer;
 
-    /// Swings an axis of the arm for ever.
+    /// A net that moves an axis of the arm back and forth for ever.
     const SWING: &str = "{t=Core::Clock(Increment='1.0'),c=Core::DoubleCos(inValue=t.outValue),\
         n=Core::DoubleMultiply(inFirst=c.outValue,Second='-0.1'),\
         p=Core::DoubleAdd(inFirst=n.outValue,Second='0.1'),\
         a=RobotArm::JointPosition(inPosition=p.outValue,Robot='arm',Axis='0')}";
 
-    /// Has the server run a command, and waits until the arm moves.
+    /// Starts a command on the server and waits until the arm moves.
     fn swing(office: &Office) {
         let client = office.desk().client(Peer::Here);
         let session = office.desk().open_session("test", None, (client, true));
@@ -473,7 +475,7 @@ mod tests {
         };
         let starter = office.clone();
         let started = move |name: Result<String, _>| {
-            // The desk is taken while it answers.
+            // The reply is called with the state locked, so `start` needs another thread.
             let name = name.unwrap();
             thread::spawn(move || starter.desk().start(&name, Box::new(|_| {})));
         };
@@ -488,7 +490,7 @@ mod tests {
         }
     }
 
-    /// Hears what it is told first, and nothing after.
+    /// A subscriber that accepts the first update and is gone afterwards.
     struct Deaf;
 
     impl Sink for Deaf {
@@ -501,7 +503,7 @@ mod tests {
         }
     }
 
-    /// Otherwise each connection that once watched what never happens would be remembered for ever.
+    /// Subscriptions of a disconnected client are removed even if no update ever fails to reach it.
     #[test]
     fn whoever_is_gone_is_forgotten() {
         let cell = Cell::parse("cell.toml", "").unwrap();

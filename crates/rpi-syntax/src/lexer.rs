@@ -1,4 +1,4 @@
-//! Text to tokens: comments set aside, numbers and texts checked, words settled.
+//! Lexer: turns text into tokens. Separates comments, checks numbers and string literals, resolves contextual keywords.
 
 mod marks;
 mod numbers;
@@ -12,7 +12,7 @@ use logos::Logos;
 use rpi_diag::{FileId, Finding, Span};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A token at its place, as byte offsets.
+/// Token with its byte range in the text.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct Lexeme {
     pub(crate) token: Token,
@@ -20,25 +20,26 @@ pub(crate) struct Lexeme {
     pub(crate) end: u32,
 }
 
-/// What the lexer makes of a text.
+/// Result of the lexer.
 pub(crate) struct Lexed {
     pub(crate) lexemes: Vec<Lexeme>,
     pub(crate) comments: Comments,
     pub(crate) findings: Vec<Finding>,
-    /// Comments that have been read: contracts and properties.
+    /// Spans of comments with contracts and properties, whose content was lexed.
     pub(crate) claims: Vec<Span>,
-    /// What tokens are read as that are written otherwise, by their places: `16#FF` is `0xFF`.
+    /// Replacement text of tokens, by their byte range: `0xFF` for `16#FF`.
     pub(crate) read_as: BTreeMap<(u32, u32), String>,
 }
 
-/// The longest text that is read; places are 32-bit.
+/// Maximum length of a text in bytes. Offsets have 32 bits.
 const MAX_LEN: usize = u32::MAX as usize / 2;
 
+/// Lexes a text.
 pub(crate) fn lex(file: FileId, text: &str, mode: Mode) -> Lexed {
     lex_skipping(file, text, mode, &BTreeSet::new())
 }
 
-/// Contracts and properties in comments that begin at these offsets are comments and nothing else.
+/// Lexes a text. Comments that begin at a `skipped` offset stay comments, even if they contain a contract or property.
 pub(crate) fn lex_skipping(file: FileId, text: &str, mode: Mode, skipped: &BTreeSet<u32>) -> Lexed {
     let mut lexer = Lexer::new(file, text, mode, skipped);
     if text.len() > MAX_LEN {
@@ -57,7 +58,8 @@ pub(crate) fn lex_skipping(file: FileId, text: &str, mode: Mode, skipped: &BTree
     lexer.out
 }
 
-/// Where comparisons are those of C, `&&`, `||` and `!` are, too: not those of machine integers.
+/// Treats bit operators as Boolean operators in statements that contain comparisons of C, such as `==`.
+// In Lustre mode, `&&`, `||` and `!` are bit operators of Kind 2. Next to `==`, the author most likely wrote C.
 fn signs_of_c(lexer: &mut Lexer<'_>) {
     use Token::{BitAnd, BitNot, BitOr, Let, Semi, Tel};
     let told = |lexeme: &Lexeme, text: &str| {
@@ -87,29 +89,31 @@ fn signs_of_c(lexer: &mut Lexer<'_>) {
     lexer.out.findings.extend(signs);
 }
 
-/// Kind 2's implication whose right side is only computed where the left holds.
+/// Lazy implication of Kind 2: its right side is evaluated only if the left side holds.
 const LAZY_IMPLICATION: &str = "==>";
 
-/// What Kind 2 writes in brackets between a part and its new value.
+/// Operator of Kind 2 between an index and its new value, in brackets.
 const BECOMES: &str = ":=";
 
-/// How far back the bracket is looked for that a changed part stands in.
+/// Maximum number of tokens that are searched backwards for an open bracket.
 const MAX_BACK: usize = 200;
 
-/// How a contract in a comment begins.
+/// Beginning of a contract in a comment.
 const CONTRACT: &str = "@contract";
 
-/// How a property in a comment begins.
+/// Beginning of a property in a comment.
 const PROPERTY: &str = "%PROPERTY";
 
+/// State of the lexer.
 struct Lexer<'t> {
     file: FileId,
     text: &'t str,
     mode: Mode,
+    /// Offsets of comments whose contracts and properties are not lexed.
     skipped: &'t BTreeSet<u32>,
     out: Lexed,
     seeming: Seeming<'t>,
-    /// Unknown characters in a row, reported together.
+    /// Span of adjacent unknown characters, which are reported together.
     unknown: Option<Span>,
 }
 
@@ -133,7 +137,7 @@ impl<'t> Lexer<'t> {
         }
     }
 
-    /// The tokens of a part of the text.
+    /// Lexes a byte range of the text.
     fn stretch(&mut self, from: usize, to: usize) {
         let text = &self.text[from..to];
         let mut tokens = Token::lexer(text);
@@ -209,7 +213,7 @@ impl<'t> Lexer<'t> {
         self.out.lexemes.push(Lexeme { token, ..lexeme });
     }
 
-    /// `++` where that is no sign.
+    /// Splits `++` into two tokens, where it is not an operator.
     fn two_signs(&mut self, sign: Token, lexeme: Lexeme) {
         let middle = lexeme.start + 1;
         self.push(
@@ -228,7 +232,7 @@ impl<'t> Lexer<'t> {
         );
     }
 
-    /// `==`: reported, and read as what is meant.
+    /// Reports a foreign operator, such as `==`, and pushes its RPI equivalent.
     fn foreign(&mut self, lexeme: Lexeme) {
         let written = self.slice(lexeme);
         if self.mode == Mode::Lustre && written == LAZY_IMPLICATION {
@@ -245,7 +249,7 @@ impl<'t> Lexer<'t> {
         self.push(sign.token, lexeme);
     }
 
-    /// `:=`: in Lustre the sign of Kind 2, else reported.
+    /// Handles `:=`: an operator of Kind 2 in Lustre files, an error elsewhere.
     fn becomes(&mut self, lexeme: Lexeme) {
         if self.mode == Mode::Lustre && self.is_in_brackets() {
             return self.push(Token::Becomes, lexeme);
@@ -255,7 +259,7 @@ impl<'t> Lexer<'t> {
         self.push(token, lexeme);
     }
 
-    /// What a `:=` behind the tokens so far belongs to.
+    /// Returns the construct that a `:=` after the tokens so far belongs to.
     fn defined(&self) -> Becomes {
         use Token::{
             BoolType, Colon, Comma, Dot, Ident, Int, IntType, LBracket, RBracket, RealType,
@@ -283,7 +287,7 @@ impl<'t> Lexer<'t> {
         Becomes::Unclear
     }
 
-    /// Whether a `[` is open, or another changed part stands before this one.
+    /// Returns whether a `[` is open, or another `:=` precedes within the same brackets.
     fn is_in_brackets(&self) -> bool {
         let mut closed = 0u32;
         let before = self.out.lexemes.iter().rev().take(MAX_BACK);
@@ -304,16 +308,16 @@ impl<'t> Lexer<'t> {
         self.push(Token::Str, lexeme);
     }
 
-    /// `(*@contract ... *)` of Kind 2 is read as `con ... noc`.
+    /// Lexes a contract of Kind 2 in a comment, `(*@contract ... *)`, as `con ... noc`.
     fn contract(&mut self, lexeme: Lexeme) {
         let start = self.claim(lexeme, CONTRACT, Token::Con);
         self.push(Token::Noc, Lexeme { start, ..lexeme });
     }
 
-    /// `--%PROPERTY x;` and `(*%PROPERTY x; *)` of Kind 2 are read as statements.
+    /// Lexes a property of Kind 2 in a comment, `--%PROPERTY x;` or `(*%PROPERTY x; *)`, as a statement.
     fn property(&mut self, lexeme: Lexeme) {
         let end = self.claim(lexeme, PROPERTY, Token::Property);
-        // Others do without.
+        // Some tools accept a property without `;`.
         if self.out.lexemes.last().map(|last| last.token) != Some(Token::Semi) {
             let start = end;
             self.push(
@@ -327,7 +331,7 @@ impl<'t> Lexer<'t> {
         }
     }
 
-    /// A comment that is read: `token` stands for what it begins with, up to its mark. Where what is read ends.
+    /// Lexes the content of a comment and returns its end. `token` replaces the text up to and including `mark`.
     fn claim(&mut self, lexeme: Lexeme, mark: &str, token: Token) -> u32 {
         let head = self.slice(lexeme).find(mark).unwrap_or_default() + mark.len();
         let inner = lexeme.start + head as u32;
@@ -343,7 +347,7 @@ impl<'t> Lexer<'t> {
         close
     }
 
-    /// How a comment is read that is more than a comment, if it is.
+    /// Returns the method that lexes a comment with a contract or property; `None` for other comments.
     fn reader(&self, lexeme: Lexeme, kind: CommentKind) -> Option<fn(&mut Self, Lexeme)> {
         let read = self.mode == Mode::Lustre && !self.skipped.contains(&lexeme.start);
         let whole = lexeme.token != Token::OpenComment;
@@ -399,7 +403,8 @@ impl<'t> Lexer<'t> {
     }
 }
 
-/// Behind a `%` the rest of a pragma of Lustre V6, `%ASSUME:name%`; others than its tools do not mind them.
+/// Returns the length in bytes of the rest of a pragma of Lustre V6, `%ASSUME:name%`, after its first `%`.
+// Pragmas are for the tools of Lustre V6. Other tools treat them as comments.
 fn pragma(rest: &str) -> Option<usize> {
     let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_';
     let word = rest.find(|c| !is_word(c)).filter(|word| *word > 0)?;
@@ -408,6 +413,7 @@ fn pragma(rest: &str) -> Option<usize> {
     text[end..].starts_with('%').then_some(word + 1 + end + 1)
 }
 
+/// Classifies a comment by its beginning.
 fn comment_kind(text: &str) -> CommentKind {
     match text.get(2..) {
         Some(rest) if rest.starts_with(PROPERTY) => CommentKind::Property,

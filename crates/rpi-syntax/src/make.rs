@@ -1,23 +1,27 @@
-//! Makes nodes of the tree from what the grammar hands over.
+//! Actions of the grammar: build declarations, statements, contracts and steps.
+//!
+//! In the methods, `l` and `r` are the byte offsets of the beginning and end of the node.
 
 use crate::ast::*;
 use crate::context::Context;
 use crate::{Mode, phrase};
 use rpi_diag::Span;
 
-/// The list with one more element.
+/// Returns the list with one more element.
 pub(crate) fn pushed<T>(mut list: Vec<T>, element: T) -> Vec<T> {
     list.push(element);
     list
 }
 
-/// The list with more elements.
+/// Returns the list with more elements.
 pub(crate) fn extended<T>(mut list: Vec<T>, more: impl IntoIterator<Item = T>) -> Vec<T> {
     list.extend(more);
     list
 }
 
-/// The ports after one of `actuator`, `sensor`, `status`. A doc comment above the word is the first port's.
+/// Builds a section of a device: the ports after `actuator`, `sensor` or `status`.
+///
+/// A doc comment before the keyword belongs to the first port.
 pub(crate) fn device_section(
     cx: &Context<'_>,
     kind: PortKind,
@@ -70,7 +74,7 @@ pub(crate) fn node(
     })
 }
 
-/// `(x: int; y: int) when c` gives the clock to each of the variables.
+/// Sets the clock of all variables without a clock: `(x: int; y: int) when c`.
 pub(crate) fn clocked(mut vars: Vec<VarDecl>, clock: Clock) -> Vec<VarDecl> {
     for var in &mut vars {
         var.clock.get_or_insert_with(|| clock.clone());
@@ -78,7 +82,7 @@ pub(crate) fn clocked(mut vars: Vec<VarDecl>, clock: Clock) -> Vec<VarDecl> {
     vars
 }
 
-/// The factor on the other side of a `/`.
+/// Returns the inverse of a unit factor, as after `/`.
 pub(crate) fn inverse(factor: UnitFactor) -> UnitFactor {
     UnitFactor {
         power: -factor.power,
@@ -130,7 +134,7 @@ pub(crate) fn run(
     })))
 }
 
-/// One part of a contract, before the parts are sorted by kind.
+/// Part of a contract, before the parts are sorted by kind.
 pub(crate) enum ContractPart {
     Locals(Locals),
     Together(Together),
@@ -140,7 +144,7 @@ pub(crate) enum ContractPart {
     Broken,
 }
 
-/// `var x, y: int = e;`: what has several names gets its values together.
+/// Builds ghost variables of a contract. Several names with one value, `var x, y: int = e;`, share one equation.
 pub(crate) fn ghosts(mut vars: Vec<VarDecl>) -> ContractPart {
     let value = match &mut vars[..] {
         [one] if one.names.len() > 1 => one.default.take(),
@@ -152,7 +156,7 @@ pub(crate) fn ghosts(mut vars: Vec<VarDecl>) -> ContractPart {
     }
 }
 
-/// `var x: int, y: bool = e;`
+/// Builds ghost variables of different types with one value: `var x: int, y: bool = e;`.
 pub(crate) fn together(first: Box<VarDecl>, rest: Vec<VarDecl>, value: Expr) -> ContractPart {
     together_of(extended(vec![*first], rest), value)
 }
@@ -191,7 +195,7 @@ pub(crate) fn claim(
     })
 }
 
-/// A contract by itself has no body.
+/// Returns the empty body of a `contract` declaration.
 pub(crate) fn contract_body() -> NodeDef {
     let (locals, statements) = (Vec::new(), Vec::new());
     NodeDef::Body(Body { locals, statements })
@@ -292,7 +296,7 @@ impl Context<'_> {
         })
     }
 
-    /// `x: int | x > 0` of Kind 2, which is short for `x: subtype { x: int | x > 0 }`.
+    /// Builds a declaration with a condition of Kind 2: `x: int | x > 0`, short for `x: subtype { x: int | x > 0 }`.
     pub(crate) fn refined_decl(
         &self,
         l: u32,
@@ -324,7 +328,7 @@ impl Context<'_> {
         port
     }
 
-    /// Neither its type nor its value is known.
+    /// Builds a constant definition from a broken phrase, without a known type or value.
     pub(crate) fn broken_const_def(&self, l: u32, r: u32) -> Box<ConstDef> {
         let ty = broken_type(self.span(l, r));
         self.const_def(l, self.broken_names(l), Some(ty), None, r)
@@ -454,7 +458,7 @@ impl Context<'_> {
         })
     }
 
-    /// The name of what has none, because of a fault that has been reported.
+    /// Returns the placeholder name `_` for a node without a name, whose error has been reported.
     fn nameless(&self, span: Span) -> Ident {
         Ident {
             name: self.intern("_"),

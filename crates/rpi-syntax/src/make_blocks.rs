@@ -1,5 +1,6 @@
-//! Makes blocks of equations (`if`, `when`, `cond`, `frame` of Kind 2), and works out the equations that they stand for: one
-//! for each flow, with the conditions in its value.
+//! Actions of the grammar for the blocks of equations of Kind 2 (`if`, `when`, `cond`, `frame`), and their desugaring.
+//!
+//! A block becomes one equation per flow, with the conditions in its value.
 
 mod frames;
 mod initial;
@@ -46,17 +47,20 @@ impl Context<'_> {
     }
 }
 
-/// What equations define, by how the left side is written, in text order.
+/// Definitions of a block, by the source text of their left sides (the keys), in text order.
 #[derive(Default)]
 struct Defined {
+    /// Keys in text order.
     order: Vec<String>,
+    /// Definitions by key.
     by: BTreeMap<String, Definition>,
-    /// Where each left side stands in the order.
+    /// Index of each key in `order`.
     at: BTreeMap<String, usize>,
-    /// The left sides in which each flow stands, or stood.
+    /// Keys of the definitions of each flow. May contain keys of removed definitions.
     sides: BTreeMap<Name, Vec<String>>,
 }
 
+/// Desugared equation.
 #[derive(Clone)]
 struct Definition {
     targets: Vec<Target>,
@@ -65,7 +69,7 @@ struct Definition {
 }
 
 impl Defined {
-    /// Takes up a definition, as the last one if its left side is new.
+    /// Inserts a definition, as the last one if its key is new.
     fn insert(&mut self, key: String, definition: Definition) {
         if !self.at.contains_key(&key) {
             self.at.insert(key.clone(), self.order.len());
@@ -74,6 +78,7 @@ impl Defined {
         self.put(key, definition);
     }
 
+    /// Inserts a definition without a position in the order.
     fn put(&mut self, key: String, definition: Definition) {
         for target in &definition.targets {
             let sides = self.sides.entry(target.name.name.clone()).or_default();
@@ -82,13 +87,13 @@ impl Defined {
         self.by.insert(key, definition);
     }
 
-    /// The definitions in whose left side a flow stands.
+    /// Returns the definitions with a flow in their left side.
     fn of(&self, name: &Name) -> impl Iterator<Item = &Definition> {
         let sides = self.sides.get(name).into_iter().flatten();
         sides.filter_map(|key| self.by.get(key))
     }
 
-    /// The value of targets, which may be defined one by one.
+    /// Returns the value of targets that are defined together or one by one.
     fn value_of(&self, targets: &[Target]) -> Option<Expr> {
         let written = |target: &Target| self.named(target);
         if let [one] = targets {
@@ -108,14 +113,15 @@ impl Defined {
         Some(Expr { kind, span })
     }
 
-    /// The equation for one target alone.
+    /// Returns the definition of one target alone.
     fn named(&self, target: &Target) -> Option<&Definition> {
         let alone = |d: &&Definition| matches!(&d.targets[..], [one] if same_place(one, target));
         self.of(&target.name.name).find(alone)
     }
 
-    /// The value of targets that nothing defines together: what defines each is taken out, what nothing defines stays
-    /// as it was.
+    /// Removes the single definitions of targets that no definition groups, and returns their values as one.
+    ///
+    /// A target without a definition keeps its previous value.
     fn taken(&mut self, targets: &[Target]) -> Expr {
         let mut values = Vec::with_capacity(targets.len());
         for target in targets {
@@ -135,7 +141,7 @@ impl Defined {
         }
     }
 
-    /// The left sides of one flow each that stand in a left side of several.
+    /// Returns the flows that are defined together with others in one definition.
     fn grouped(&self) -> BTreeSet<String> {
         let groups = self.by.values().filter(|d| d.targets.len() > 1);
         let targets = groups.flat_map(|d| &d.targets);
@@ -143,6 +149,7 @@ impl Defined {
     }
 }
 
+/// Returns whether two targets are the same flow or the same part of a flow.
 fn same_place(a: &Target, b: &Target) -> bool {
     let step = |(a, b): (&Access, &Access)| match (a, b) {
         (Access::Field(a), Access::Field(b)) => a.name == b.name,
@@ -158,10 +165,10 @@ fn same_names(a: &[Target], b: &[Target]) -> bool {
     a.len() == b.len() && a.iter().zip(b).all(|(a, b)| same_place(a, b))
 }
 
-/// Works out what a block stands for.
+/// Desugaring of a block.
 struct Sense<'c, 't> {
     cx: &'c Context<'t>,
-    /// The flows that keep their values where nothing defines them.
+    /// Flows of a `frame`, which keep their previous values where no branch defines them.
     kept: BTreeSet<&'c Name>,
     faults: Vec<BlockFault>,
 }
@@ -191,7 +198,9 @@ impl<'c, 't> Sense<'c, 't> {
         }
     }
 
-    /// What is said before `let` is the value in the cycle before the first one: for flows that nothing defines, and for `last`.
+    /// Desugars a `frame` block.
+    ///
+    /// The equations before `let` give the values before the first cycle, for undefined flows and for `last`.
     fn of_keep(mut self, keep: &Keep) -> Meaning {
         let mut initial = self.statements(&keep.initial);
         let mut defined = self.statements(&keep.statements);
@@ -282,7 +291,7 @@ impl<'c, 't> Sense<'c, 't> {
         }
     }
 
-    /// The definitions of all branches, joined by the conditions.
+    /// Combines the definitions of all branches into conditional expressions.
     fn choice(&mut self, choice: &Choice) -> Defined {
         let mut parts: Vec<(Option<&Expr>, Defined, Span)> = Vec::new();
         for branch in &choice.branches {
@@ -305,7 +314,7 @@ impl<'c, 't> Sense<'c, 't> {
         joined
     }
 
-    /// What all branches together say of one left side.
+    /// Returns the combined definition of one key over all branches.
     fn joined(
         &mut self,
         key: &str,
@@ -329,7 +338,7 @@ impl<'c, 't> Sense<'c, 't> {
         })
     }
 
-    /// The value that a branch gives to targets.
+    /// Returns the value of targets in a branch.
     fn value_in(&mut self, defined: &Defined, targets: &[Target], place: Span) -> Expr {
         if let Some(value) = defined.value_of(targets) {
             return value;
@@ -345,7 +354,7 @@ impl<'c, 't> Sense<'c, 't> {
         Expr { kind, span: place }
     }
 
-    /// The value of what a branch does not define: that of the cycle before, where it is kept.
+    /// Returns the previous value of targets that a branch does not define, or reports them if they are not kept.
     fn missing(&mut self, targets: &[Target], place: Span) -> Expr {
         let is_kept = |target: &Target| self.kept.contains(&target.name.name);
         if targets.iter().all(is_kept) {
@@ -363,14 +372,14 @@ impl<'c, 't> Sense<'c, 't> {
     }
 }
 
-/// The values of several targets.
+/// Returns the tuple of the values of several targets.
 fn together(targets: &[Target], values: Vec<Expr>) -> Expr {
     let span = targets.first().map_or(Span::NONE, |target| target.span);
     let kind = ExprKind::Tuple(values.into());
     Expr { kind, span }
 }
 
-/// `last x`: the target one cycle before.
+/// Returns `last x`, the value of a target in the previous cycle.
 fn before(target: &Target) -> Expr {
     let span = target.span;
     let mut expr = Expr {
@@ -393,6 +402,7 @@ fn before(target: &Target) -> Expr {
     Expr { kind, span }
 }
 
+/// Returns `if condition then yes else no`.
 fn either(condition: Expr, yes: Expr, no: Expr) -> Expr {
     let span = yes.span;
     let kind = ExprKind::If(Box::new(If {
@@ -404,6 +414,7 @@ fn either(condition: Expr, yes: Expr, no: Expr) -> Expr {
     Expr { kind, span }
 }
 
+/// Returns `lhs -> rhs`.
 fn arrow(lhs: Expr, rhs: Expr) -> Expr {
     let span = lhs.span;
     let (op, op_span) = (BinaryOp::Arrow, lhs.span);
@@ -416,7 +427,7 @@ fn arrow(lhs: Expr, rhs: Expr) -> Expr {
     Expr { kind, span }
 }
 
-/// A statement that is no equation, in words.
+/// Returns a description of a statement that is not an equation, for messages.
 fn what(kind: &StatementKind) -> &'static str {
     match kind {
         StatementKind::Claim(_) => "a claim",

@@ -1,4 +1,6 @@
-//! Makes expressions, types and literals from what the grammar hands over.
+//! Actions of the grammar: build expressions, types and literals.
+//!
+//! In the methods, `l` and `r` are the byte offsets of the beginning and end of the node.
 
 use crate::ast::*;
 use crate::chain::Prefix;
@@ -13,7 +15,7 @@ impl Context<'_> {
         }
     }
 
-    /// `when c then x else`, which begins at `l`: a choice, which only Lustre writes so.
+    /// Builds the conditional prefix `when c then x else` that begins at `l`. Only Lustre files accept it.
     pub(crate) fn when_as_if(&self, l: u32, condition: Expr, yes: Expr) -> Prefix {
         if self.mode == Mode::Rpi {
             self.report(phrase::when_as_if(self.span(l, l + 4)));
@@ -27,7 +29,7 @@ impl Context<'_> {
         }
     }
 
-    /// The content of a text literal.
+    /// Returns the content of a string literal, without quotes and escapes.
     pub(crate) fn string(&self, l: u32, r: u32) -> Ident {
         Ident {
             name: self.intern(&text::unquote(self.slice(l, r))),
@@ -40,7 +42,7 @@ impl Context<'_> {
         self.expr(l, ExprKind::Quantity(quantity), r)
     }
 
-    /// `60%`; the sign begins at `sign`.
+    /// Builds a percentage: `60%`. The `%` begins at `sign`.
     pub(crate) fn percent(&self, l: u32, number: Number, sign: u32, r: u32) -> Expr {
         let unit = self.ident(sign, r);
         let span = unit.span;
@@ -48,7 +50,7 @@ impl Context<'_> {
         self.quantity(l, number, Unit { factors, span }, r)
     }
 
-    /// The number at the head of a unit, `1` in `1/s`.
+    /// Checks the number at the beginning of a unit, which must be 1 as in `1/s`.
     pub(crate) fn unit_one(&self, l: u32, r: u32) -> Vec<UnitFactor> {
         if self.slice(l, r) != "1" {
             self.report(phrase::unit_head(self.span(l, r), self.text));
@@ -56,7 +58,7 @@ impl Context<'_> {
         Vec::new()
     }
 
-    /// The power of a unit.
+    /// Returns the exponent of a unit, or reports it if it is above 99.
     pub(crate) fn power(&self, l: u32, r: u32) -> i32 {
         let power = self.slice(l, r).parse().ok().filter(|p| *p <= 99);
         power.unwrap_or_else(|| {
@@ -65,7 +67,7 @@ impl Context<'_> {
         })
     }
 
-    /// `real[m]`; of `real[3]`, which has been reported, nothing is known.
+    /// Builds a real type with a unit: `real[m]`. A number, `real[3]`, has been reported and gives an error type.
     pub(crate) fn real_type(&self, l: u32, unit: Unit, r: u32) -> Type {
         let is_number =
             unit.factors.is_empty() && self.slice(unit.span.start, unit.span.end) != "1";
@@ -129,7 +131,7 @@ impl Context<'_> {
         self.expr(l, ExprKind::Slice(Box::new(SliceOf { base, slice })), r)
     }
 
-    /// `base[high:low]` of Kind 2.
+    /// Builds a bit slice of Kind 2: `base[high:low]`.
     pub(crate) fn bits(&self, l: u32, base: Expr, high: Expr, low: Expr, r: u32) -> Expr {
         let bits = Bits { base, high, low };
         if self.mode != Mode::Lustre {
@@ -138,7 +140,7 @@ impl Context<'_> {
         self.expr(l, ExprKind::Bits(Box::new(bits)), r)
     }
 
-    /// `base[0 := x; 1 := y]` of Kind 2.
+    /// Builds an update of Kind 2: `base[0 := x; 1 := y]`.
     pub(crate) fn keyed(&self, l: u32, base: Expr, changes: Vec<Change>, r: u32) -> Expr {
         self.replaced(l, base, changes, true, r)
     }
@@ -165,7 +167,7 @@ impl Context<'_> {
         self.expr(l, ExprKind::Merge(Box::new(Merge { on, cases })), r)
     }
 
-    /// `merge(c; x; y)`
+    /// Builds a Boolean `merge` without case names: `merge(c; x; y)`.
     pub(crate) fn merge_bool(&self, l: u32, on: Expr, yes: Expr, no: Expr, r: u32) -> Expr {
         let case = |value: &str, then: Expr| MergeCase {
             value: Ident {
@@ -196,12 +198,12 @@ impl Context<'_> {
         self.expr(l, ExprKind::Struct(Box::new(value)), r)
     }
 
-    /// `(x: T)`
+    /// Builds an expression with a type ascription: `(x: T)`.
     pub(crate) fn ascribed(&self, l: u32, value: Expr, ty: Type, r: u32) -> Expr {
         self.expr(l, ExprKind::Ascribed(Box::new(Ascribed { value, ty })), r)
     }
 
-    /// `int8 x`, `sint@<25> x`, which begins at `l`: a call of the conversion.
+    /// Builds a conversion as a call: `int8 x`, `sint@<25> x`. The expression begins at `l`.
     pub(crate) fn converted(&self, l: u32, to: Ident, bits: Vec<StaticArg>, value: Expr) -> Expr {
         let r = value.span.end;
         let value = match value.kind {
@@ -213,7 +215,7 @@ impl Context<'_> {
         self.call(l, crate::make::call(*callee, Activation::Always, args), r)
     }
 
-    /// `any { x: T | c }`, whose type begins at `p`.
+    /// Builds `any { x: T | c }`. The type begins at `p`.
     pub(crate) fn any_of(&self, name: Ident, p: u32, refined: Box<Refined>, r: u32) -> Expr {
         let l = name.span.start;
         let ty = self.ty(p, TypeKind::Refined(refined), r);
@@ -223,7 +225,7 @@ impl Context<'_> {
         self.call(l, call, r)
     }
 
-    /// `A?(x)`
+    /// Builds a test for a constructor: `A?(x)`.
     pub(crate) fn is_a(&self, l: u32, constructor: Ident, value: Expr, r: u32) -> Expr {
         self.expr(l, ExprKind::IsA(Box::new(IsA { constructor, value })), r)
     }
@@ -232,12 +234,12 @@ impl Context<'_> {
         self.expr(l, ExprKind::Match(Box::new(Match { value, arms })), r)
     }
 
-    /// `{}@<T>`
+    /// Builds an empty set: `{}@<T>`.
     pub(crate) fn empty_set(&self, l: u32, types: Vec<StaticArg>, r: u32) -> Expr {
         self.expr(l, ExprKind::EmptySet(types.into()), r)
     }
 
-    /// A number among types: `uint<32>`.
+    /// Builds a number among type arguments: `uint<32>`.
     pub(crate) fn static_number(&self, l: u32, r: u32) -> Box<StaticArg> {
         let number = self.number(l, r);
         let value = self.expr(l, ExprKind::Number(number), r);

@@ -1,8 +1,8 @@
-//! Parses one declaration; where it has a fault, reports it, mends the tokens and tries again.
+//! Parses one declaration with error recovery: reports a syntax error, repairs the tokens and parses again.
 //!
-//! Three ways to mend: a `;` or `tel` that is missing is put in; a phrase with a fault gives way to a
-//! [`Token::Broken`]; and if the head of a declaration has a fault, its body is still read for the
-//! sake of the findings. So every independent fault is found, each once.
+//! There are three kinds of repair. A missing `;` or `tel` is inserted. A phrase with an error is replaced by a
+//! [`Token::Broken`]. If the header of a declaration has an error, its body is still parsed for its diagnostics. So
+//! every independent error is reported exactly once.
 
 use crate::ast::{Declared, DeclaredKind, Ident, Item, ItemKind};
 use crate::context::Context;
@@ -19,7 +19,7 @@ use lalrpop_util::ParseError;
 use rpi_diag::Finding;
 use std::ops::Range;
 
-/// The tree of one declaration, and what is wrong with it.
+/// Parses the tokens of one declaration and appends its diagnostics.
 pub(crate) fn item(cx: &Context<'_>, lexemes: &[Lexeme], findings: &mut Vec<Finding>) -> Item {
     let meant = habits::without_first_values(cx, lexemes, findings);
     let lexemes = meant.as_deref().unwrap_or(lexemes);
@@ -32,7 +32,7 @@ pub(crate) fn item(cx: &Context<'_>, lexemes: &[Lexeme], findings: &mut Vec<Find
     }
 }
 
-/// A declaration of which only the names are known.
+/// Creates the error node of a declaration, with the names that it seems to declare.
 pub(crate) fn broken_item(cx: &Context<'_>, lexemes: &[Lexeme]) -> Item {
     let kind = declared_kind(lexemes);
     let names = declared::by_item(cx, lexemes);
@@ -44,6 +44,7 @@ pub(crate) fn broken_item(cx: &Context<'_>, lexemes: &[Lexeme]) -> Item {
     cx.item(start, kind, end)
 }
 
+/// Returns the kind of declaration from its first keyword.
 fn declared_kind(lexemes: &[Lexeme]) -> Option<DeclaredKind> {
     use Token::*;
     Some(match lexemes.first()?.token {
@@ -58,7 +59,7 @@ fn declared_kind(lexemes: &[Lexeme]) -> Option<DeclaredKind> {
     })
 }
 
-/// Asks the grammar.
+/// Parses the tokens with the grammar, without recovery.
 fn attempt(cx: &Context<'_>, lexemes: &[Lexeme]) -> Result<Item, Fault> {
     let tokens = lexemes
         .iter()
@@ -70,6 +71,7 @@ fn attempt(cx: &Context<'_>, lexemes: &[Lexeme]) -> Result<Item, Fault> {
     })
 }
 
+/// Converts an error of the parser generator into a [`Fault`] with a token index.
 fn fault(lexemes: &[Lexeme], error: ParseError<u32, Token, ()>) -> Fault {
     let index = |start: u32, token: Token| {
         let from = lexemes.partition_point(|lexeme| lexeme.start < start);
@@ -93,23 +95,27 @@ fn fault(lexemes: &[Lexeme], error: ParseError<u32, Token, ()>) -> Fault {
     }
 }
 
-/// How many faults of one declaration are mended.
+/// Maximum number of syntax errors that are repaired in one declaration.
 const MAX_FAULTS: usize = 200;
 
-/// How many tokens may be read again for the sake of further findings.
+/// Maximum number of tokens that are parsed again after repairs, summed over one declaration.
 const PATIENCE: usize = 1_000_000;
 
+/// Error recovery of one declaration.
 struct Mender<'c, 't, 'f> {
     cx: &'c Context<'t>,
+    /// Tokens as written.
     original: &'c [Lexeme],
+    /// Tokens after the repairs so far.
     lexemes: Vec<Lexeme>,
     findings: &'f mut Vec<Finding>,
+    /// Number of tokens that may still be parsed again.
     patience: usize,
-    /// Where the last phrase was taken out.
+    /// Index of the last phrase that was replaced by an error token.
     broken_at: Option<usize>,
-    /// Whether a fault at the end has been reported.
+    /// Whether an error at the end of the declaration has been reported.
     ended: bool,
-    /// Reserved words that have been told to be no names.
+    /// Reserved words that have been reported as used for names.
     reserved: Vec<Token>,
 }
 
@@ -142,7 +148,7 @@ impl<'c, 't, 'f> Mender<'c, 't, 'f> {
         }
     }
 
-    /// Mends one fault after the other, until the declaration parses. [`None`] if its head does not.
+    /// Repairs one error after the other until the declaration parses. Returns [`None`] if no repair applies.
     fn mend_all(&mut self, mut fault: Fault) -> Option<Item> {
         for _ in 0..MAX_FAULTS {
             if !self.mend(&fault) || !self.cx.may_mend() {
@@ -160,7 +166,7 @@ impl<'c, 't, 'f> Mender<'c, 't, 'f> {
         None
     }
 
-    /// Reports the fault and mends it. False if there is no way.
+    /// Reports the error and repairs the tokens. Returns false if no repair applies.
     fn mend(&mut self, fault: &Fault) -> bool {
         if let Some(at) = reserved::again(&self.reserved, &self.lexemes, fault.at) {
             self.lexemes[at].token = Token::Ident;
@@ -174,7 +180,7 @@ impl<'c, 't, 'f> Mender<'c, 't, 'f> {
             self.insert(fault.at, Token::Semi);
             return true;
         }
-        // Whatever is missing at the end, the declaration breaks off there: one fault.
+        // An unfinished declaration is one error, however many tokens are missing at its end.
         if at_end && std::mem::replace(&mut self.ended, true) {
             return false;
         }
@@ -213,7 +219,7 @@ impl<'c, 't, 'f> Mender<'c, 't, 'f> {
         self.take_out(phrase)
     }
 
-    /// Reads a reserved word as a name, here and wherever else it does not fit.
+    /// Treats a reserved word as a name, here and wherever else the grammar rejects it.
     fn read_as_name(&mut self, at: usize) -> bool {
         let word = &mut self.lexemes[at].token;
         self.reserved.push(*word);
@@ -221,7 +227,7 @@ impl<'c, 't, 'f> Mender<'c, 't, 'f> {
         true
     }
 
-    /// Reports a habit and reads the tokens as they were meant; `phrase` is what is left out otherwise.
+    /// Reports foreign syntax and applies its repair. `phrase` is the range that the usual repair removes.
     fn follow(&mut self, habit: Habit, phrase: Range<usize>) -> bool {
         self.findings.push(habit.finding);
         match habit.mend {
@@ -237,13 +243,13 @@ impl<'c, 't, 'f> Mender<'c, 't, 'f> {
         }
     }
 
-    /// Whether all that is missing is the `;` of a phrase that was taken out.
+    /// Returns whether only the `;` of a removed phrase is missing.
     fn ends_broken(&self, fault: &Fault) -> bool {
         let before = fault.at.checked_sub(1).map(|i| self.lexemes[i].token);
         before == Some(Token::Broken) && fault.expected.contains(&Token::Semi)
     }
 
-    /// Takes out what is around a broken phrase that does not fit as such.
+    /// Removes the block around a removed phrase, where the grammar does not accept an error token.
     fn take_out_around(&mut self) -> bool {
         let structure = Structure::new(&self.lexemes);
         match self.broken_at.and_then(|at| structure.block_around(at)) {
@@ -252,14 +258,14 @@ impl<'c, 't, 'f> Mender<'c, 't, 'f> {
         }
     }
 
-    /// Puts in what closes the bodies that are open at the end.
+    /// Inserts the closing keywords of the bodies that are open at the end of the declaration.
     fn close_bodies(&mut self) -> bool {
         let structure = Structure::new(&self.lexemes);
         let cut = structure.unfinished();
         let open = structure.open_blocks().filter(|open| *open < cut);
         let closing = open.filter_map(|open| closing(self.lexemes[open].token));
         let closing: Vec<Token> = closing.collect();
-        // A phrase that breaks off: what is missing in it goes with it.
+        // An unfinished phrase is removed as a whole, so its missing tokens need no repair.
         if cut < self.lexemes.len() && !self.take_out(cut..self.lexemes.len()) {
             return false;
         }
@@ -270,9 +276,9 @@ impl<'c, 't, 'f> Mender<'c, 't, 'f> {
         true
     }
 
-    /// Replaces a phrase by a broken one. False if there is nothing to replace.
+    /// Replaces a phrase by an error token that defines its names. Returns false if there is nothing to replace.
     fn take_out(&mut self, mut phrase: Range<usize>) -> bool {
-        // Between two `;` there is nothing; but a stray `tel` stands for itself.
+        // An empty phrase before a `;` has no token to replace; a stray `tel` or `end` is replaced itself.
         let closes = |lexeme: &Lexeme| lexeme.token != Token::Semi;
         if phrase.is_empty() && self.lexemes.get(phrase.start).is_some_and(closes) {
             phrase.end += 1;
@@ -291,7 +297,7 @@ impl<'c, 't, 'f> Mender<'c, 't, 'f> {
         self.take_out_defining(phrase, names)
     }
 
-    /// Replaces a phrase by a broken one that defines these names.
+    /// Replaces a phrase by an error token that defines `names`.
     fn take_out_defining(&mut self, phrase: Range<usize>, names: Vec<Ident>) -> bool {
         let Some(first) = self.lexemes.get(phrase.start).copied() else {
             return false;
@@ -312,7 +318,7 @@ impl<'c, 't, 'f> Mender<'c, 't, 'f> {
         true
     }
 
-    /// Whether a broken phrase lacks its `;`.
+    /// Returns whether the error token before index `after` needs a `;`.
     fn needs_semi(&self, after: usize) -> bool {
         match self.lexemes.get(after).map(|lexeme| lexeme.token) {
             Some(Token::Semi) => false,
@@ -321,12 +327,13 @@ impl<'c, 't, 'f> Mender<'c, 't, 'f> {
         }
     }
 
+    /// Inserts a token without text before index `at`.
     fn insert(&mut self, at: usize, token: Token) {
         let place = at.checked_sub(1).map_or(0, |i| self.lexemes[i].end);
         self.lexemes.insert(at, missing(token, place));
     }
 
-    /// Reads the body of a declaration whose head has a fault, for the sake of the findings.
+    /// Parses the body of a declaration whose header has an error, only for its diagnostics.
     fn read_body(self) {
         let is_let = |lexeme: &Lexeme| lexeme.token == Token::Let;
         let Some(body) = self.original.iter().position(is_let) else {
@@ -336,6 +343,7 @@ impl<'c, 't, 'f> Mender<'c, 't, 'f> {
             Token::Task => Token::Task,
             _ => Token::Command,
         };
+        // A minimal header: the keyword and a name without text. A command accepts every kind of statement.
         let mut lexemes = vec![missing(head, self.original[body].start); 2];
         lexemes[1].token = Token::Ident;
         lexemes.extend_from_slice(&self.original[body..]);
@@ -348,7 +356,7 @@ impl<'c, 't, 'f> Mender<'c, 't, 'f> {
     }
 }
 
-/// A token that the text lacks.
+/// Creates a token without text at byte offset `place`.
 fn missing(token: Token, place: u32) -> Lexeme {
     Lexeme {
         token,

@@ -1,21 +1,21 @@
-//! How the tool ends.
+//! Exit status of the tool.
 
 use std::process::ExitCode;
 
-/// Exit statuses.
+/// Exit status.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Exit {
-    /// As asked for.
+    /// Success.
     Good,
-    /// The command ended with its error, or a trace differs.
+    /// A command ended with an error, or a trace differs.
     CommandError,
-    /// A file, an option or a program is wrong.
+    /// A file, an option or a program is invalid.
     BadInput,
-    /// A fault while running.
+    /// A fault occurred while running.
     Fault,
-    /// Somebody has interrupted it by a signal of this number.
+    /// The tool was interrupted by a signal.
     Interrupted {
-        /// The number: 2 for SIGINT, 15 for SIGTERM.
+        /// Signal number: 2 for SIGINT, 15 for SIGTERM.
         signal: u8,
     },
 }
@@ -32,5 +32,5 @@ impl From<Exit> for ExitCode {
     }
 }
 
-/// A task's end; the error text is for people.
+/// Result of a subcommand. The error is printed for the user.
 pub(crate) type Outcome = Result<Exit, Box<dyn std::error::Error>>;

@@ -1,5 +1,5 @@
-//! Signals by which somebody ends this process in order: SIGINT (Ctrl-C), SIGTERM, and SIGHUP, as its terminal is gone; and SIGQUIT
-//! (Ctrl-\\), an emergency stop.
+//! Signal handling: SIGINT (Ctrl-C), SIGTERM and SIGHUP (closed terminal) end the process in an orderly way; SIGQUIT
+//! (Ctrl-\\) is an emergency stop.
 
 use std::io;
 use std::sync::Arc;
@@ -10,7 +10,7 @@ use signal_hook::flag;
 
 use crate::exit::Exit;
 
-/// Hears the signals from when it was made.
+/// Flags set by the signal handlers.
 pub(crate) struct Interrupt {
     raised: Arc<AtomicBool>,
     signal: Arc<AtomicUsize>,
@@ -18,10 +18,10 @@ pub(crate) struct Interrupt {
 }
 
 impl Interrupt {
-    /// Hears the signals from now on: they do not end the process any more.
+    /// Installs the signal handlers. The signals no longer end the process.
     ///
     /// # Errors
-    /// If the system does not let it.
+    /// If a handler cannot be installed.
     pub(crate) fn listen() -> io::Result<Interrupt> {
         let interrupt = Interrupt {
             raised: Arc::default(),
@@ -43,32 +43,33 @@ impl Interrupt {
     }
 
     fn end_by(&self, signal: i32) -> io::Result<()> {
-        // In this order: whoever sees that it was raised can say by what.
+        // The order matters: when `raised` is set, `signal` is already valid.
         let number = usize::try_from(signal).unwrap_or_default();
         flag::register_usize(signal, Arc::clone(&self.signal), number)?;
         flag::register(signal, Arc::clone(&self.raised))?;
         Ok(())
     }
 
-    /// Becomes true when somebody interrupts.
+    /// Returns the flag that is set by an interrupt.
     pub(crate) fn flag(&self) -> Arc<AtomicBool> {
         Arc::clone(&self.raised)
     }
 
-    /// Becomes true when somebody wants an emergency stop.
+    /// Returns the flag that is set by an emergency stop.
     pub(crate) fn emergency(&self) -> Arc<AtomicBool> {
         Arc::clone(&self.emergency)
     }
 
-    /// How a process ends that was interrupted, by the custom of shells; nothing if it was not.
+    /// Returns the exit status of an interrupted process (128 + signal, as in shells); `None` if it was not
+    /// interrupted.
     pub(crate) fn exit(&self) -> Option<Exit> {
         let signal = u8::try_from(self.signal.load(Ordering::Relaxed)).ok()?;
         (signal > 0).then_some(Exit::Interrupted { signal })
     }
 }
 
-/// Whether whoever started this process has made it ignore a signal, as `nohup` does; told by the system where it tells that
-/// (proc(5), `SigIgn`).
+/// Returns whether the process was started with a signal ignored, as `nohup` does; from `SigIgn` in `/proc` (proc(5))
+/// where that exists.
 #[cfg(unix)]
 fn is_ignored(signal: i32) -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();

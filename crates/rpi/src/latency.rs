@@ -1,4 +1,4 @@
-//! `rpi latency`: which period this machine can hold.
+//! `rpi latency`: measures which period this machine can hold.
 
 use std::sync::Arc;
 
@@ -14,7 +14,7 @@ use crate::output;
 use crate::program;
 use crate::target;
 
-/// Measures and judges.
+/// Measures the latency and prints the verdict.
 pub(crate) fn latency(args: &LatencyArgs) -> Outcome {
     let load = args.program.as_ref().map(|_| load(args)).transpose()?;
     let count = (args.time / args.period).max(1);
@@ -33,7 +33,7 @@ fn wanted(args: &LatencyArgs) -> Wanted {
     }
 }
 
-/// Runs the program on real time, and takes the figures of its cycles.
+/// Runs the program in real time and returns the statistics of its cycles.
 fn load(args: &LatencyArgs) -> Result<Load, Box<dyn std::error::Error>> {
     let path = args.program.clone().unwrap_or_default();
     let compiled = program::load(&path, Claims::Off)?;

@@ -1,7 +1,7 @@
-//! Made-up inputs that keep what a node assumes of them: `assume` of its contract, and assertions.
+//! Random inputs of a node that satisfy its assumptions: `assume` of its contract, and assertions.
 //!
-//! An assumption may be about earlier outputs, so inputs can only be tried: where a row breaks an assumption the run begins
-//! anew, goes on to this cycle with the rows before, and tries another one.
+//! An assumption may depend on earlier outputs, so rows are found by trial: if a row violates an assumption, the run is
+//! restarted, repeated up to this cycle with the rows found so far, and continued with another row.
 
 use rpi_host::node::{NodeRun, Row};
 use rpi_image::Image;
@@ -9,10 +9,10 @@ use rpi_net::{Claim, ClaimKind, Column};
 
 use crate::random::Random;
 
-/// The most rows that are tried for one cycle.
+/// Maximum number of rows tried for one cycle.
 const MOST_TRIES: u32 = 200;
 
-/// What is needed to try inputs.
+/// Search for rows of inputs that satisfy the assumptions.
 pub(crate) struct Trial {
     image: Image,
     inputs: Vec<Column>,
@@ -20,7 +20,8 @@ pub(crate) struct Trial {
 }
 
 impl Trial {
-    /// Claims that are watched and do not end the run; those that inputs must keep are picked out.
+    /// Creates the search. Of `claims`, it keeps those that constrain the inputs; they are only observed and do not end
+    /// the run.
     pub(crate) fn new(image: Image, inputs: &[Column], claims: &[Claim]) -> Trial {
         let is_assumed = |claim: &&Claim| match claim.kind {
             ClaimKind::Assert => true,
@@ -34,10 +35,10 @@ impl Trial {
         }
     }
 
-    /// Rows for so many cycles; fewer if the node has a fault before.
+    /// Returns rows for `cycles` cycles; fewer if the node has a fault earlier.
     ///
     /// # Errors
-    /// If no row that was tried keeps the assumptions in some cycle.
+    /// If no tried row satisfies the assumptions in some cycle.
     pub(crate) fn rows(&self, random: &mut Random, cycles: u64) -> Result<Vec<Row>, String> {
         let mut rows: Vec<Row> = Vec::new();
         let (mut run, mut tries) = (self.run_after(&rows)?, 0);
@@ -56,7 +57,7 @@ impl Trial {
             if tries > MOST_TRIES {
                 let cycle = rows.len();
                 return Err(format!(
-                    "no inputs that were made up keep what the node assumes in cycle {cycle}; give them by --inputs FILE"
+                    "no random inputs satisfy the assumptions of the node in cycle {cycle}; use --inputs FILE"
                 ));
             }
             run = self.run_after(&rows)?;
@@ -64,7 +65,7 @@ impl Trial {
         Ok(rows)
     }
 
-    /// A row; of a second try many values are those of the cycle before.
+    /// Draws a row. With `last`, used for every second try, most values are those of the previous cycle.
     fn drawn(&self, random: &mut Random, last: Option<&Row>) -> Row {
         let mut row = Row::with_capacity(self.inputs.len());
         for (k, column) in self.inputs.iter().enumerate() {
@@ -85,7 +86,7 @@ impl Trial {
     }
 }
 
-/// Whether a claim is one of the node that runs: of its contract, or of one that this imports.
+/// Returns whether a claim belongs to the node itself: to its contract or to one that this imports.
 fn is_own(path: &str) -> bool {
     path.split('.').all(|part| matches!(part, "" | "_"))
 }

@@ -1,6 +1,6 @@
-//! The control core on the command line: `rpi run`, `rpi serve`, `rpi replay`, `rpi trace`, `rpi latency`.
+//! Command-line tool of the control core: `rpi run`, `rpi serve`, `rpi replay`, `rpi trace`, `rpi latency`.
 //!
-//! Exit status: 0 for a good end, 1 for a command's error or a differing trace, 2 for bad input, 3 for a fault while
+//! Exit status: 0 for success, 1 for a command's error or a differing trace, 2 for invalid input, 3 for a fault while
 //! running.
 
 mod args;

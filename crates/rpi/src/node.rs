@@ -1,4 +1,4 @@
-//! `rpi run --inputs`, `rpi run --step`: a node by itself, against a table or what is typed.
+//! `rpi run --inputs`, `rpi run --step`: runs a single node with a table, typed rows or random rows.
 
 use std::error::Error;
 use std::fs::File;
@@ -58,7 +58,7 @@ pub(crate) fn run(args: &RunArgs) -> Outcome {
     exit
 }
 
-/// Refuses what has no meaning for a node that runs by itself.
+/// Returns an error if an option is present that does not apply to a single node.
 fn only_for_nodes(args: &RunArgs) -> Result<(), String> {
     let target = &args.target;
     let given = [
@@ -75,7 +75,7 @@ fn only_for_nodes(args: &RunArgs) -> Result<(), String> {
     ];
     match given.iter().find(|(_, is_given)| *is_given) {
         Some((option, _)) => Err(format!(
-            "{option} is for commands and tasks; a node by itself takes --inputs or --step, --outputs, --locals and --cycles"
+            "{option} applies to commands and tasks only; a node takes --inputs or --step, --outputs, --locals and --cycles"
         )),
         None => Ok(()),
     }
@@ -94,14 +94,14 @@ fn output(program: &Path, args: &NodeArgs) -> Result<Box<dyn Write>, Box<dyn Err
     Ok(Box::new(BufWriter::new(file)))
 }
 
-/// A node being run, and where its flows go.
+/// A running node with the destination of its outputs.
 struct Session {
     run: NodeRun,
     shown: Vec<Column>,
     out: Box<dyn Write>,
     sources: SourceMap,
     style: Style,
-    /// Whether absent flows are shown as they were last.
+    /// Whether an absent flow is shown with its latest value.
     holds: bool,
     last: Row,
 }
@@ -111,7 +111,7 @@ impl Session {
         writeln!(self.out, "{}", header(self.shown.iter()))
     }
 
-    /// One cycle; false if it could not be computed.
+    /// Runs one cycle. Returns false if it had an error.
     fn cycle(&mut self, given: &[Option<Vec<u64>>]) -> std::io::Result<bool> {
         let cycle = self.run.cycle(given);
         if let Some(row) = cycle.row {
@@ -126,7 +126,7 @@ impl Session {
         Ok(!severities.any(|severity| severity == Severity::Error))
     }
 
-    /// Lustre's tools show a sampled flow between its ticks as it was at the last.
+    /// Replaces absent values by the latest ones, as Lustre tools do for a sampled flow between its ticks.
     fn kept(&mut self, row: Row) -> Row {
         if !self.holds {
             return row;
@@ -169,14 +169,14 @@ impl Session {
         Ok(Exit::Good)
     }
 
-    /// Asks for the inputs of each cycle until the input ends.
+    /// Reads the inputs of each cycle from standard input until its end.
     fn steps(&mut self, columns: &[Column]) -> Outcome {
         let names = header(columns.iter());
         let reader = Reader::new(columns, &names).map_err(|e| e.to_string())?;
         match reader.takes_empty_lines() {
-            true => rpi_diag::tell_line!("input: {names}; an empty line where it is absent"),
+            true => rpi_diag::tell_line!("input: {names}; an empty line for an absent value"),
             false => rpi_diag::tell_line!(
-                "inputs, separated by commas: {names}; an empty line for those of the last cycle"
+                "inputs, separated by commas: {names}; an empty line repeats the last row"
             ),
         }
         let mut given: Option<Row> = columns.is_empty().then(Vec::new);
@@ -210,16 +210,19 @@ impl Session {
     }
 }
 
-/// Inputs that are made up, or none for a node without in-ports. They keep what the node assumes of them.
+/// Returns the input rows: random ones that satisfy the assumptions, or empty ones for a node without in-ports.
 fn made_up(args: &RunArgs, input: &Input, columns: &[Column]) -> Result<Vec<Row>, Box<dyn Error>> {
     if let (Some(column), None) = (columns.first(), args.node.random) {
         let key = &column.key;
         return Err(format!(
-            "the node reads `{key}`; say where from: --inputs FILE, --step or --random SEED"
+            "the node has the input `{key}`; add --inputs FILE, --step or --random SEED"
         )
         .into());
     }
-    let cycles = args.target.cycles.ok_or("how long? Say --cycles N")?;
+    let cycles = args
+        .target
+        .cycles
+        .ok_or("the number of cycles is missing; add --cycles N")?;
     let Some(seed) = args.node.random else {
         return Ok(vec![Row::new(); usize::try_from(cycles)?]);
     };

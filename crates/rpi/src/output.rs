@@ -1,16 +1,16 @@
-//! Where results go: standard output, and files that are not what was read.
+//! Output of results to standard output and to files.
 
 use std::error::Error;
 use std::fs::File;
 use std::io::{ErrorKind, Write};
 use std::path::Path;
 
-/// Writes to standard output. A reader that closes the pipe early is no error.
+/// Writes to standard output. A pipe closed by its reader is no error.
 pub(crate) fn put(text: &str) -> std::io::Result<()> {
     quietly(std::io::stdout().write_all(text.as_bytes())).map(|_| ())
 }
 
-/// Whether all was written; a pipe that its reader has closed takes no more, which is no error.
+/// Turns a broken pipe into `None`, as a reader may close a pipe at any time.
 pub(crate) fn quietly<T>(written: std::io::Result<T>) -> std::io::Result<Option<T>> {
     match written {
         Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(None),
@@ -18,7 +18,7 @@ pub(crate) fn quietly<T>(written: std::io::Result<T>) -> std::io::Result<Option<
     }
 }
 
-/// Makes a file for results; refuses to overwrite what they come from.
+/// Creates an output file. Returns an error if the file is one of the inputs `sources`.
 pub(crate) fn create(path: &Path, sources: &[&Path]) -> Result<File, Box<dyn Error>> {
     for source in sources {
         refuse(path, source)?;
@@ -33,7 +33,7 @@ fn refuse(path: &Path, source: &Path) -> Result<(), String> {
     };
     match same {
         true => Err(format!(
-            "{}: this is the input; it would be lost",
+            "{}: cannot overwrite the input file",
             path.display()
         )),
         false => Ok(()),

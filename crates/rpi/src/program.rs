@@ -1,4 +1,4 @@
-//! From a file on the command line to something that runs.
+//! Compiles the program of the command line and selects a command.
 
 use std::path::Path;
 
@@ -6,7 +6,7 @@ use rpi_diag::{Style, render};
 use rpi_driver::{Asked, Compiled, Task, Unset};
 use rpi_net::Net;
 
-/// Compiles a file, its claims as asked for, and shows what was found; an error if it cannot run.
+/// Compiles a file and prints its diagnostics. Returns an error if there are errors.
 pub(crate) fn load(
     path: &Path,
     asked: impl Into<Asked>,
@@ -20,7 +20,7 @@ pub(crate) fn load(
     Ok(compiled)
 }
 
-/// The command of this name, or the only one; `tasks` could have been named, too.
+/// Returns the command with this name, or the only command. `tasks` are other valid names for the error message.
 pub(crate) fn choose<'a>(
     compiled: &'a Compiled,
     tasks: &[Task],
@@ -42,12 +42,12 @@ pub(crate) fn choose<'a>(
     };
     match (nets, name) {
         ([], _) => Err(
-            "there is no command in it; nodes run with --node NAME, tests by `rpic test`"
+            "the file has no command; run a node with --node NAME, tests with `rpic test`"
                 .to_owned(),
         ),
         ([only], None) => Ok(only),
         (_, None) => Err(format!(
-            "which command? There are {}; say --command NAME",
+            "the file has several commands: {}; choose one with --command NAME",
             list(names())
         )),
         (_, Some(name)) => nets.iter().find(|n| n.name == name).ok_or_else(|| {
@@ -56,14 +56,14 @@ pub(crate) fn choose<'a>(
                 .map(|m| format!("; did you mean {m}?"))
                 .unwrap_or_default();
             format!(
-                "there is no command or task {name}, there are {}{meant}",
+                "unknown command or task {name}, expected one of {}{meant}",
                 list(names())
             )
         }),
     }
 }
 
-/// Why a command can not run by itself.
+/// Returns the error message for a command with open parameters.
 fn no_arguments(unset: &Unset) -> String {
     let params = unset.params.iter();
     let [quoted, declared] = [("`", "`"), ("const ", " = ...;")].map(|(before, after)| {
@@ -73,7 +73,7 @@ fn no_arguments(unset: &Unset) -> String {
         each.collect::<Vec<_>>()
     });
     format!(
-        "{} can not run by itself: nothing gives it {}; declare `{}`, or run a task that gives it",
+        "{} cannot run alone: {} has no value; declare `{}`, or run a task that passes it",
         unset.command,
         quoted.join(" and "),
         declared.join(" ")

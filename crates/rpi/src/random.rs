@@ -1,14 +1,14 @@
-//! Made-up inputs for a node: the same seed gives the same values on every machine.
+//! Reproducible random inputs of a node: a seed gives the same values on every machine.
 
 use rpi_image::{Scalar, Type, Value};
 use rpi_net::Column;
 
-/// A stream of made-up values (Marsaglia, Xorshift RNGs, 2003).
+/// Pseudo-random number generator (Marsaglia, Xorshift RNGs, 2003).
 pub(crate) struct Random(u64);
 
 impl Random {
     pub(crate) fn new(seed: u64) -> Random {
-        // Any state but 0 will do.
+        // Xorshift needs a state other than 0.
         Random(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1)
     }
 
@@ -19,12 +19,12 @@ impl Random {
         self.0 >> 11
     }
 
-    /// Whether a value stays: three times of four.
+    /// Returns true with probability 3/4: the value of the previous cycle is kept.
     pub(crate) fn keeps(&mut self) -> bool {
         !self.next().is_multiple_of(4)
     }
 
-    /// The cells of one value; of four that may be absent, one is.
+    /// Returns a random value of a column as memory slots. An optional column is absent with probability 1/4.
     pub(crate) fn given(&mut self, column: &Column) -> Option<Vec<u64>> {
         match column.optional && self.next().is_multiple_of(4) {
             true => None,
@@ -32,7 +32,7 @@ impl Random {
         }
     }
 
-    /// A value of a subrange, small or near one of its ends.
+    /// Returns an integer of a subrange: a small one or one near an end.
     fn within(&mut self, [least, most]: [i64; 2]) -> i64 {
         let step = i64::try_from(self.next() % 5).unwrap_or(0);
         let (begin, step) = match self.next() % 3 {
@@ -43,7 +43,8 @@ impl Random {
         begin.saturating_add(step).clamp(least, most)
     }
 
-    /// The cells of one value: small integers or those at an end of the subrange, values of the enum, reals between -5 and 5.
+    /// Returns a random value as memory slots: small integers or those near an end of the subrange, enum values, reals
+    /// from -5 to 5.
     fn cells(&mut self, column: &Column) -> Vec<u64> {
         match column.ty {
             Scalar::Bool => vec![self.next() % 2],

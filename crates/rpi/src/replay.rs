@@ -1,4 +1,4 @@
-//! `rpi replay`: a recording once more, or a net against a recorded trace.
+//! `rpi replay`: replays a recording, or a net against a recorded trace.
 
 use std::path::PathBuf;
 
@@ -18,11 +18,15 @@ pub(crate) fn replay(args: &ReplayArgs) -> Outcome {
     if is_recording(&args.net) {
         return match args.trace.is_empty() && args.command.is_none() {
             true => again(args),
-            false => Err("a recording is compared with itself, as a whole: --trace and --command are for nets".into()),
+            false => Err(
+                "--trace and --command are for nets; a recording is compared with itself".into(),
+            ),
         };
     }
     if args.trace.is_empty() {
-        return Err("against which trace? Say --trace FILE, or give a recording (.mcap)".into());
+        return Err(
+            "no trace to compare with; add --trace FILE, or replay a recording (.mcap)".into(),
+        );
     }
     let compiled = program::load(&args.net, Claims::Off)?;
     let net = program::choose(&compiled, &[], args.command.as_deref())?;
@@ -40,7 +44,7 @@ pub(crate) fn replay(args: &ReplayArgs) -> Outcome {
     Ok(verdict(report.agrees()))
 }
 
-/// Runs a recording again.
+/// Replays a recording.
 fn again(args: &ReplayArgs) -> Outcome {
     let name = args.net.display();
     let bytes = std::fs::read(&args.net).map_err(|e| format!("{name}: {e}"))?;

@@ -1,4 +1,4 @@
-//! `rpi run`: commands against a cell.
+//! `rpi run`: runs commands with a cell.
 
 use std::error::Error;
 use std::fs::File;
@@ -28,14 +28,14 @@ use crate::program;
 use crate::target;
 use rpi_serve::Script;
 
-/// Runs, records and says what happened.
+/// Runs, records and prints the summary.
 pub(crate) fn run(args: &RunArgs) -> exit::Outcome {
     let compiled = compile(args)?;
     let script = target::script(&compiled, &args.target, target::to_run)?;
     target::has_all(&compiled, &args.target, &script)?;
     let (record, plot) = (args.record.as_deref(), args.plot.as_deref());
     if record.is_some() && record == plot {
-        return Err("--record and --plot need a file each".into());
+        return Err("--record and --plot must name different files".into());
     }
     let mut rows = record
         .filter(|path| !is_recording(path))
@@ -60,7 +60,7 @@ pub(crate) fn run(args: &RunArgs) -> exit::Outcome {
     let mut outcome = execute(args, &script, &interrupt, &mut several)?;
     outcome.digest = digest.map(|digest| digest.digits());
     let (mut findings, summary) = claims.told(&mut outcome);
-    // What an image was made of is not there with it.
+    // The text that an image was compiled from is not known, so faults have no location.
     if !matches!(compiled.program, Program::Image(_)) {
         findings.extend(outcome.find_faults(&compiled.sources));
     }
@@ -80,12 +80,12 @@ pub(crate) fn run(args: &RunArgs) -> exit::Outcome {
         true => format!("{}\n", outcome.to_json()),
         false => outcome.to_string(),
     })?;
-    // What has happened is told first: nothing of it is undone by a full disk.
+    // The summary is printed before an error of writing the files is returned.
     recorded.and(drawn)?;
     Ok(exit(&outcome, &interrupt))
 }
 
-/// Draws the motion.
+/// Draws the motion into the file.
 fn draw(
     args: &RunArgs,
     motion: &Motion,
@@ -101,7 +101,7 @@ fn draw(
 
 fn compile(args: &RunArgs) -> Result<Compiled, Box<dyn Error>> {
     if args.share.is_asked_for() && !args.clock.real_time {
-        return Err("--cycle-share and --machine are for --real-time: on simulated time a cycle takes as long as it takes".into());
+        return Err("--cycle-share and --machine require --real-time; cycles of simulated time have no time limit".into());
     }
     let asked = Asked {
         claims: args.contracts.into(),
@@ -111,7 +111,7 @@ fn compile(args: &RunArgs) -> Result<Compiled, Box<dyn Error>> {
     program::load(&args.program, asked)
 }
 
-/// What the commands that run claim of themselves.
+/// Creates the observer of assertions and contracts of all commands that run.
 fn claims(compiled: &Compiled, script: &Script) -> ClaimSink {
     let runs = |net: &&Net| script.images.iter().any(|image| image.name == net.name);
     let nets = compiled.nets().iter().filter(runs);
@@ -162,11 +162,11 @@ fn execute(
     })
 }
 
-/// What helps where commands may take more of a tick than they are granted.
-const LIGHTER: &str = "let it do less in a cycle, run it with a longer --period, measure the machine (`rpic machine`, --machine FILE), \
-    or grant more (--cycle-share PERCENT, `off` for no limit); `rpic explain RPI7003` says more";
+/// Help for commands that exceed their share of a cycle.
+const LIGHTER: &str = "reduce its work per cycle, use a longer --period, measure the machine (`rpic machine`, --machine FILE), \
+    or raise --cycle-share PERCENT (`off` for no limit); see `rpic explain RPI7003`";
 
-/// What the commands may take of a tick: on simulated time nobody waits for them.
+/// Returns the share of a tick for commands; `None` on simulated time, where a cycle may take any time.
 fn share<'a>(
     args: &RunArgs,
     script: &'a Script,
@@ -184,13 +184,13 @@ fn share<'a>(
     share.map(budget).transpose()
 }
 
-/// Whether a file is to hold a recording of everything.
+/// Returns whether a file is an MCAP recording, by its extension.
 pub(crate) fn is_recording(path: &Path) -> bool {
     path.extension()
         .is_some_and(|extension| extension == "mcap")
 }
 
-/// A recording of everything, which can be run again.
+/// Creates an MCAP recording, which can be replayed.
 fn whole(path: &Path, args: &RunArgs, cell: String) -> Result<Recording, Box<dyn Error>> {
     let name = args.program.file_name().unwrap_or_default();
     Ok(Recording {
@@ -203,7 +203,7 @@ fn whole(path: &Path, args: &RunArgs, cell: String) -> Result<Recording, Box<dyn
     })
 }
 
-/// Makes a file for results, which is neither the program nor the cell.
+/// Creates an output file; returns an error if it is the program or the cell.
 fn create(path: &Path, args: &RunArgs) -> Result<File, Box<dyn Error>> {
     let cell = target::cell_file(&args.program, &args.target);
     output::create(path, &[&args.program, &cell])
@@ -224,7 +224,7 @@ fn exit(outcome: &Outcome, interrupt: &Interrupt) -> Exit {
     }
 }
 
-/// One line on the terminal that says how far it is.
+/// Progress line on the terminal.
 #[derive(Default)]
 struct ProgressLine {
     shown: bool,

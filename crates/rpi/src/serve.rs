@@ -16,7 +16,7 @@ use crate::exit::{self, Exit};
 use crate::interrupt::Interrupt;
 use crate::run::is_recording;
 
-/// Serves until it is interrupted; then everything is stopped, and devices come to rest, before it closes.
+/// Runs the server until it is interrupted; then stops everything and closes once the devices are at rest.
 pub(crate) fn serve(args: &ServeArgs) -> exit::Outcome {
     let (cell, text) = cell(args.cell.as_deref())?;
     let token = args.token_file.as_deref().map(token).transpose()?;
@@ -48,7 +48,7 @@ pub(crate) fn serve(args: &ServeArgs) -> exit::Outcome {
     while server.runs() && !interrupted.load(Ordering::Relaxed) {
         if emergency.swap(false, Ordering::Relaxed) {
             server.emergency_stop("SIGQUIT");
-            rpi_diag::tell_line!("EMERGENCY STOP; `emergency.reset` of JSON-RPC releases it");
+            rpi_diag::tell_line!("EMERGENCY STOP; reset it by `emergency.reset` of JSON-RPC");
         }
         for warning in server.warnings() {
             rpi_diag::tell_line!("{warning}");
@@ -63,14 +63,16 @@ pub(crate) fn serve(args: &ServeArgs) -> exit::Outcome {
     Ok(Exit::Good)
 }
 
-/// How often it is looked whether somebody has interrupted.
+/// Interval at which interrupts and warnings are checked.
 const LOOK: Duration = Duration::from_millis(20);
 
-/// Where everything is recorded.
+/// Creates the recording file.
 fn recording(path: &Path, cell: String) -> Result<Wanted, String> {
     let name = path.display();
     if !is_recording(path) {
-        return Err(format!("{name}: a server records to files .mcap"));
+        return Err(format!(
+            "{name}: the recording of a server must be a file .mcap"
+        ));
     }
     let file = File::create(path).map_err(|e| format!("{name}: {e}"))?;
     Ok(Wanted {
@@ -83,7 +85,7 @@ fn recording(path: &Path, cell: String) -> Result<Wanted, String> {
     })
 }
 
-/// The devices, and the text that describes them.
+/// Reads the cell with its text; a cell without devices if there is no path.
 fn cell(path: Option<&Path>) -> Result<(Cell, String), String> {
     let Some(path) = path else {
         return Ok((Cell::default(), String::new()));
@@ -92,7 +94,7 @@ fn cell(path: Option<&Path>) -> Result<(Cell, String), String> {
     let bytes = std::fs::read(path).map_err(|e| format!("{name}: {e}"))?;
     let text = rpi_driver::utf8(path, &bytes).map_err(|e| e.to_string())?;
     let cell = Cell::parse(&name, text);
-    let cell = cell.map_err(|errors| format!("the cell is wrong\n{errors}"))?;
+    let cell = cell.map_err(|errors| format!("the cell is invalid\n{errors}"))?;
     Ok((cell, text.to_owned()))
 }
 
@@ -101,7 +103,7 @@ fn tls(args: &ServeArgs) -> Option<TlsFiles> {
     Some(TlsFiles { certificates, key })
 }
 
-/// Says with which options it would open.
+/// Adds the options that would let the server open to its error.
 fn with_a_way_out(why: CannotOpen) -> String {
     let CannotOpen::Unguarded {
         no_token, no_tls, ..
@@ -116,25 +118,25 @@ fn with_a_way_out(why: CannotOpen) -> String {
     let missing = options.iter().filter(|(lacks, _)| *lacks);
     let missing: String = missing.map(|(_, option)| *option).collect();
     format!(
-        "{why}\n  add{missing}, or --insecure where nobody else can reach it; `rpic explain RPI9201` says more"
+        "{why}\n  add{missing}, or --insecure in an isolated network; see `rpic explain RPI9201`"
     )
 }
 
-/// Bytes that a token has at least.
+/// Minimum length of a token in bytes.
 const SHORTEST: usize = 16;
 
 fn token(path: &Path) -> Result<String, String> {
     let name = path.display();
     let text = std::fs::read_to_string(path).map_err(|e| format!("{name}: {e}"))?;
     match text.trim() {
-        "" => Err(format!("{name} holds no token")),
+        "" => Err(format!("{name}: the file has no token")),
         token if token.len() < SHORTEST => Err(format!(
-            "{name}: a token of {} can be guessed; at least {SHORTEST} are needed, such as `head -c 32 /dev/urandom | base64` writes",
+            "{name}: a token of {} is too short; use at least {SHORTEST}, for example of `head -c 32 /dev/urandom | base64`",
             counted(token.len(), "byte")
         )),
-        token if token.contains(char::is_whitespace) => Err(format!(
-            "{name} holds more than one word: a token is a single one"
-        )),
+        token if token.contains(char::is_whitespace) => {
+            Err(format!("{name}: a token must be a single word"))
+        }
         token => Ok(token.to_owned()),
     }
 }

@@ -1,4 +1,4 @@
-//! What to run and against what: images, their order, the cell.
+//! What to run and with which cell: images, their order, devices.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -12,19 +12,20 @@ use rpi_sim::Cell;
 use crate::args::Target;
 use crate::program;
 
-/// Period where nobody says another one: 1 ms.
+/// Default period in nanoseconds: 1 ms.
 pub(crate) const PERIOD: u64 = 1_000_000;
 
-/// How a net is lowered: for running, with the bound on what its primitives do, or to be looked at.
+/// Lowers a net with a period in nanoseconds. Returns the image, and the bound on the work of its primitives per cycle
+/// if known.
 pub(crate) type Lower = fn(&Net, u64) -> Result<(Image, Option<u64>), String>;
 
-/// Lowers a net to run.
+/// Lowers a net for running.
 pub(crate) fn to_run(net: &Net, period: u64) -> Result<(Image, Option<u64>), String> {
     let lowered = rpi_driver::lower_with_work(net, period);
     lowered.map(|(image, work)| (image, Some(work)))
 }
 
-/// Whether commands name devices.
+/// Returns whether any command uses a device.
 fn needs_devices(images: &[Arc<Image>]) -> bool {
     let needs = |image: &Arc<Image>| {
         let ports = image.sensors.len() + image.actuators.len() + image.functions.len();
@@ -33,7 +34,7 @@ fn needs_devices(images: &[Arc<Image>]) -> bool {
     images.iter().any(needs)
 }
 
-/// Makes images of what is to be run: the command or task that was named, else the only task, else the only command.
+/// Makes the script of the named command or task, else of the only task, else of the only command.
 pub(crate) fn script(compiled: &Compiled, target: &Target, lower: Lower) -> Result<Script, String> {
     if let Program::Image(image) = &compiled.program {
         return of_image(image, target).map(|image| Script::once((image, None)));
@@ -46,7 +47,7 @@ pub(crate) fn script(compiled: &Compiled, target: &Target, lower: Lower) -> Resu
     lower(net, period).map(Script::once)
 }
 
-/// Fails if a command that runs by itself needs values that another hands over, and that nobody has set.
+/// Returns an error if a command that runs alone needs inputs from a predecessor that are not set by options.
 pub(crate) fn has_all(compiled: &Compiled, target: &Target, script: &Script) -> Result<(), String> {
     let (tasks, name) = (&compiled.tasks, target.command.as_deref());
     let image = script.images.first().map(|image| image.name.as_str());
@@ -62,7 +63,7 @@ pub(crate) fn has_all(compiled: &Compiled, target: &Target, script: &Script) -> 
         return Ok(());
     };
     Err(format!(
-        "{} takes {} over, and no command runs before it: give it by --set {first}=VALUE",
+        "{} takes over {} but no command runs before it; set it with --set {first}=VALUE",
         net.name,
         needed.join(", ")
     ))
@@ -76,11 +77,11 @@ fn task<'a>(tasks: &'a [Task], name: Option<&str>) -> Option<&'a Task> {
     }
 }
 
-/// An image has the period that it was compiled for.
+/// Returns the image, or an error if the period differs from the one that it was compiled for.
 fn of_image(image: &Image, target: &Target) -> Result<Image, String> {
     match target.period {
         Some(period) if period != image.period_ns => Err(format!(
-            "this image was compiled for a period of {}, not {}",
+            "the image was compiled for a period of {}, not {}",
             rpi_driver::period_text(image.period_ns),
             rpi_driver::period_text(period)
         )),
@@ -88,13 +89,14 @@ fn of_image(image: &Image, target: &Target) -> Result<Image, String> {
     }
 }
 
-/// Where the cell is: the one that was named, or one beside the program, if it is there.
+/// Returns the path of the cell: that of the option, else `cell.toml` beside the program, which need not exist.
 pub(crate) fn cell_file(program: &Path, target: &Target) -> PathBuf {
     let beside = || program.with_file_name("cell.toml");
     target.cell.clone().unwrap_or_else(beside)
 }
 
-/// The cell that was named, or the one beside the program, with its text; one without devices for what needs none.
+/// Reads the cell with its text. Without a file, returns a cell without devices, or an error if the script uses
+/// devices.
 pub(crate) fn cell(
     program: &Path,
     target: &Target,
@@ -104,20 +106,18 @@ pub(crate) fn cell(
     if target.cell.is_none() && !path.is_file() {
         return match needs_devices(&script.images) {
             false => Ok((Cell::default(), String::new())),
-            true => {
-                Err("which cell? There is no cell.toml beside the program; say --cell FILE".into())
-            }
+            true => Err("there is no cell.toml beside the program; add --cell FILE".into()),
         };
     }
     let name = path.display().to_string();
     let bytes = std::fs::read(&path).map_err(|e| format!("{name}: {e}"))?;
     let text = rpi_driver::utf8(&path, &bytes).map_err(|e| e.to_string())?;
     let cell = Cell::parse(&name, text);
-    let cell = cell.map_err(|errors| format!("the cell is wrong\n{errors}"))?;
+    let cell = cell.map_err(|errors| format!("the cell is invalid\n{errors}"))?;
     Ok((cell, text.to_owned()))
 }
 
-/// Ticks after which a run is cut off.
+/// Returns the maximum number of ticks of the run, if it is limited.
 pub(crate) fn ticks(target: &Target, tick_ns: u64) -> Option<u64> {
     target
         .cycles

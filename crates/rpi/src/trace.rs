@@ -1,4 +1,4 @@
-//! `rpi trace`: all ports of a run, or rows of a recording.
+//! `rpi trace`: records all ports of a run, or selects rows of a trace.
 
 use std::io::{BufWriter, Write};
 use std::sync::Arc;
@@ -17,11 +17,11 @@ use crate::program;
 use crate::run::is_recording;
 use crate::target;
 
-/// Writes a trace of a run, or rows of a recording.
+/// Runs the subcommand.
 pub(crate) fn trace(args: &TraceArgs) -> Outcome {
     if is_recording(&args.source) {
         let file = args.source.display();
-        Err(format!("{file}: rows are picked out of traces and rows (.csv, .jsonl, .trace); `rpi replay` runs this again, viewers of MCAP show it").into())
+        Err(format!("{file}: cannot select rows of an MCAP recording, only of .csv, .jsonl and .trace; `rpi replay` replays it").into())
     } else if Kind::of(&args.source).is_some() {
         record(args)
     } else {
@@ -76,7 +76,7 @@ fn pick(args: &TraceArgs, text: &str) -> Outcome {
     let rows = copy(text, &filter, &mut out);
     let rows = output::quietly(rows.and_then(|rows| out.flush().map(|()| rows)))?;
     if rows == Some(0) && !args.flow.is_empty() {
-        rpi_diag::tell_line!("no row fits");
+        rpi_diag::tell_line!("no row matches the filter");
     }
     Ok(Exit::Good)
 }

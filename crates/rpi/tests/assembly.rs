@@ -1,9 +1,10 @@
-//! Assembly by feel, as its reader runs the example: what is measured decides what follows, and the arm is under control in every case.
+//! The assembly example as a reader runs it: the measured force selects the next command, and the arm is under control
+//! in every case.
 
 use std::path::Path;
 use std::process::Command;
 
-/// The example with its cell changed: the outcome as JSON, and the force that was felt, by cycle of the command that presses.
+/// Runs the example with a changed cell. Returns the outcome, and the measured force by cycle of the pressing command.
 fn run(change: impl Fn(&str) -> String) -> (serde_json::Value, Vec<f64>) {
     let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/assembly");
     let folder = tempfile::tempdir().unwrap();
@@ -36,7 +37,7 @@ fn run(change: impl Fn(&str) -> String) -> (serde_json::Value, Vec<f64>) {
     )
 }
 
-/// Names of the commands that ran, with their results.
+/// Returns the names of the commands that ran, with their results.
 fn story(outcome: &serde_json::Value) -> Vec<(String, String)> {
     let text = |value: &serde_json::Value| value.as_str().unwrap_or("").to_owned();
     let commands = outcome["commands"].as_array().unwrap();
@@ -65,7 +66,8 @@ fn assert_safe(outcome: &serde_json::Value) {
     );
 }
 
-/// Row 20 of the paper's promises: felt, taken over in motion, pressed with the force that was asked for, and away.
+/// Row 20 of the paper's promises: contact is detected, the motion is taken over, the requested force is applied, and
+/// the arm retracts.
 #[test]
 fn what_is_felt_decides_what_follows() {
     let (outcome, felt) = run(str::to_owned);
@@ -96,7 +98,7 @@ fn where_nothing_is_felt_it_goes_back() {
     assert!(felt.is_empty());
 }
 
-/// Something that was not foreseen: a blow while it goes down.
+/// An unforeseen event: a blow during the downward motion.
 #[test]
 fn a_blow_ends_it_with_an_error_and_the_arm_stops_itself() {
     let blow = "\n[[devices.arm.faults]]\nat = \"1.5 s\"\ntrouble = \"contact\"\nforce = [0, 0, \"40 N\"]\n";

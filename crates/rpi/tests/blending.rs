@@ -1,16 +1,16 @@
-//! The paper's example as its reader runs it: both traces of its Fig. 5, without a gap and without a jump.
+//! The paper's example as a reader runs it: both traces of Fig. 5, without a gap and without a jump.
 
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::Command;
 
-/// Velocity and acceleration that no joint of the example comes near, rad/s and rad/s².
+/// Bounds on joint velocity and acceleration in the example, rad/s and rad/s².
 const SPEED: f64 = 1.0;
 const ACCELERATION: f64 = 2.0;
-/// Period of the example, s.
+/// Period of the example in s.
 const DT: f64 = 1e-3;
 
-/// What the tool says, and the commanded positions of each joint by cycle.
+/// Runs the example. Returns the summary, and the commanded positions of each joint by cycle.
 fn run(options: &[&str]) -> (String, BTreeMap<String, Vec<f64>>) {
     let example =
         Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/blending/blending.rpi");
@@ -38,7 +38,7 @@ fn run(options: &[&str]) -> (String, BTreeMap<String, Vec<f64>>) {
     )
 }
 
-/// The joints' rows of a recording; each must have one row per cycle, from 0 on.
+/// Returns the joint rows of a recording; each joint must have one row per cycle, from 0 on.
 fn joints(record: &str) -> BTreeMap<String, Vec<f64>> {
     let mut joints: BTreeMap<String, Vec<f64>> = BTreeMap::new();
     for row in record.lines().filter(|row| row.contains(",arm.joint.")) {
@@ -87,7 +87,7 @@ fn a_successor_in_time_takes_over_at_b() {
     assert_continuous(&joints);
 }
 
-/// M11.5.
+/// Rule M11.5.
 #[test]
 fn a_successor_too_late_follows_the_regular_end_at_c() {
     let (said, joints) = run(&["--planning-time", "20s"]);

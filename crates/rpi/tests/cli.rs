@@ -1,4 +1,4 @@
-//! The tool as its users meet it: arguments in, text and exit status out.
+//! The command-line tool: arguments in, text and exit status out.
 
 use std::path::Path;
 use std::process::{Command, Output};
@@ -15,7 +15,7 @@ fn rpi(args: &[&str]) -> Output {
         .unwrap()
 }
 
-/// A folder with the net and the trace above.
+/// Creates a folder with the net and the trace above.
 fn folder() -> tempfile::TempDir {
     let dir = tempfile::tempdir().unwrap();
     std::fs::write(dir.path().join("small.rpinet"), NET).unwrap();
@@ -84,7 +84,7 @@ fn what_needs_no_device_needs_no_cell() {
     assert!(err(&output).contains("Alone"), "{}", err(&output));
 }
 
-/// M8.3.
+/// Rule M8.3.
 #[test]
 fn a_missing_device_is_told_once_with_those_that_are_there() {
     let dir = folder();
@@ -109,7 +109,7 @@ fn options_that_mean_nothing_are_refused() {
     }
     assert_eq!(rpi(&["run", &net, "--cycles", "0"]).status.code(), Some(2));
     let both = rpi(&["run", &net, "--record", "both.csv", "--plot", "both.csv"]);
-    assert!(err(&both).contains("a file each"), "{}", err(&both));
+    assert!(err(&both).contains("different files"), "{}", err(&both));
 }
 
 #[test]
@@ -130,7 +130,7 @@ fn what_is_no_text_is_named() {
     );
 }
 
-/// M1.1.
+/// Rule M1.1.
 #[test]
 fn the_period_matters() {
     let dir = folder();
@@ -205,7 +205,7 @@ fn refuses_its_input(args: &[&str]) {
     let output = rpi(args);
     let told = err(&output);
     assert_eq!(output.status.code(), Some(2), "{told}");
-    assert!(told.contains("this is the input"), "{told}");
+    assert!(told.contains("overwrite the input"), "{told}");
 }
 
 #[test]
@@ -245,7 +245,7 @@ fn a_file_that_cannot_be_written_is_named() {
     assert!(err(&output).contains(&target), "{}", err(&output));
 }
 
-/// A command that takes over with a leap is refused, and the message has the figures; where that is allowed, the arm decides.
+/// A takeover with a jump is refused with the figures. If it is allowed, the arm decides.
 #[test]
 fn a_leap_at_a_switch_is_refused_with_its_figures() {
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
@@ -262,7 +262,7 @@ fn a_leap_at_a_switch_is_refused_with_its_figures() {
     assert!(out(&allowed).contains(lost), "{}", out(&allowed));
 }
 
-/// On real time the run tells what it asked of the system, granted or not.
+/// A run in real time reports which of the requested settings the system granted.
 #[test]
 fn real_time_tells_what_it_got() {
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
@@ -279,7 +279,7 @@ fn real_time_tells_what_it_got() {
     assert!(err(&wrong).contains("stop:N/M"), "{}", err(&wrong));
 }
 
-/// Commands of another module, arguments that are worked out, tasks with parameters.
+/// Commands of another module, computed arguments, and tasks with parameters.
 #[test]
 fn a_task_runs_commands_of_another_module() {
     let dir = tempfile::tempdir().unwrap();
@@ -306,12 +306,12 @@ fn a_task_runs_commands_of_another_module() {
     assert_eq!(told, expected, "{}", err(&output));
 }
 
-/// A command, and a task that runs two of it beside one another.
+/// A command, and a task that runs two of it in parallel.
 const WAIT: &str = "command Wait () let x = cos(real(n)); n = 1 -> pre n + 1; finish done when n >= 3; fail odd when x > 2.0; tel
 task Both () let parallel let Wait(); tel let Wait(); tel tel
 ";
 
-/// The bound is of the command alone, and of all that runs at once; on simulated time a cycle takes as long as it takes.
+/// The bound applies to a single command and to all parallel ones together; on simulated time there is none.
 #[test]
 fn what_may_take_too_long_is_refused_on_real_time() {
     let dir = tempfile::tempdir().unwrap();
@@ -327,13 +327,13 @@ fn what_may_take_too_long_is_refused_on_real_time() {
     for way_out in ["--cycle-share", "--machine", "--period", "RPI7003"] {
         assert!(told.contains(way_out), "{told}");
     }
-    // Alone it fits such a tick, and two do not.
+    // One command fits such a tick, two do not.
     let figures = told.split("may take ").nth(1).unwrap();
     let ns: f64 = figures.split(' ').next().unwrap().parse().unwrap();
     let tick = format!("{:.0}ns", ns * 2.0);
     assert!(!err(&run("Wait", &["--real-time", "--period", &tick])).contains("RPI7003"));
     let both = run("Both", &["--real-time", "--period", &tick]);
-    assert!(err(&both).contains("what runs at once"), "{}", err(&both));
+    assert!(err(&both).contains("parallel commands"), "{}", err(&both));
     for args in [
         &["--period", "20ns"][..],
         &["--real-time", "--period", "20ns", "--cycle-share", "off"],
@@ -342,7 +342,7 @@ fn what_may_take_too_long_is_refused_on_real_time() {
         assert_eq!(done.status.code(), Some(0), "{}", err(&done));
     }
     let idle = run("Wait", &["--cycle-share", "50"]);
-    assert!(err(&idle).contains("are for --real-time"), "{}", err(&idle));
+    assert!(err(&idle).contains("require --real-time"), "{}", err(&idle));
 }
 
 #[test]
@@ -353,12 +353,12 @@ fn the_machine_beside_the_program_tells_how_fast_it_is() {
     std::fs::write(path(&dir, "machine.toml"), "ns-per-operation = 1000000\n").unwrap();
     let refused = rpi(&["run", &file, "--command", "Wait", "--real-time"]);
     assert!(err(&refused).contains("RPI7003"), "{}", err(&refused));
-    // What is told about the program is about the period that it runs with.
+    // The warning depends on the actual period.
     let slow = ["run", &file, "--command", "Wait", "--period", "10s"];
     assert_eq!(err(&rpi(&slow)), "");
 }
 
-/// A test is a node that nobody calls, but not one that somebody means.
+/// A test is a node that is never called, but not a candidate for the node to run.
 #[test]
 fn a_node_is_chosen_and_no_test_or_command() {
     let dir = tempfile::tempdir().unwrap();
@@ -409,13 +409,13 @@ fn a_command_that_lacks_a_constant_is_told_which() {
         let output = rpi(&[&["run", &path(&dir, "go.rpi")], args].concat());
         assert_eq!(output.status.code(), Some(2), "{}", err(&output));
         let told = err(&output);
-        assert!(told.contains("Go can not run by itself"), "{told}");
+        assert!(told.contains("Go cannot run alone"), "{told}");
         assert!(
             told.contains("`to: real[m]`") && told.contains("`n: int`"),
             "{told}"
         );
         assert!(told.contains("const to: real[m] = ...;"), "{told}");
-        assert!(!told.contains("there is no command"), "{told}");
+        assert!(!told.contains("has no command"), "{told}");
     }
 }
 

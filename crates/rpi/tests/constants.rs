@@ -1,4 +1,4 @@
-//! Constants that leave their fragment: outside they are there only while it is active (M4, M6).
+//! Constants that leave their fragment: outside they are present only while it is active (M4, M6).
 
 use rpi_core::{Machine, Moment};
 use rpi_driver::{Input, Kind, compile, lower_to_look, lower_to_run};
@@ -7,7 +7,7 @@ use rpi_sim::{Cell, SimBank};
 
 const PERIOD_NS: u64 = 1_000_000;
 
-/// The exported integers of a program's only command, `None` where absent, in each of some cycles.
+/// Returns the exported integers of a program's only command in each cycle, `None` if absent.
 fn exported(image: Image, cycles: usize) -> Vec<Vec<Option<i64>>> {
     let cell = Cell::parse("cell.toml", "").expect("an empty cell");
     let mut bank = SimBank::new(&cell, PERIOD_NS as f64 * 1e-9);
@@ -60,7 +60,7 @@ fn a_constant_of_an_inactive_fragment_is_absent() {
     );
 }
 
-/// Whichever of reader and fragment the text has first, and however many fragments lie between.
+/// The order of reader and fragment in the text and the number of enclosing fragments do not matter.
 #[test]
 fn a_constant_passes_through_fragments() {
     let program = "command C ()

@@ -4,10 +4,10 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-/// What the arm did in a minute, in one number: the same in every build, on every machine.
+/// Digest of a minute of the arm: the same in every build, on every machine.
 const MINUTE: &str = "c54da3d5f2221d16";
 
-/// The example with its nine rounds made endless.
+/// Writes the example with its nine rounds made endless.
 fn endless(folder: &Path) -> std::path::PathBuf {
     let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/blending");
     let text = std::fs::read_to_string(example.join("blending.rpi")).unwrap();
@@ -41,7 +41,7 @@ fn a_minute_has_the_same_bits_in_every_build() {
     assert_eq!(outcome["digest"], MINUTE);
 }
 
-/// The machine's clock changes nothing: what is loaded in time takes over in the same cycle.
+/// Real time gives the same bits as simulated time: a command that is loaded in time takes over in the same cycle.
 #[test]
 fn real_time_has_the_same_bits() {
     let [real, simulated] = ["--real-time", "--sim-time"].map(|pace| run(&["--time", "4s", pace]));
@@ -49,7 +49,7 @@ fn real_time_has_the_same_bits() {
     assert_eq!(real["digest"], simulated["digest"]);
 }
 
-/// Memory stays what it is after a minute, for ten minutes, or for as long as `RPI_ENDLESS` says: `cargo xtask soak`
+/// Memory does not grow after the first minute, for ten minutes or for the time in `RPI_ENDLESS`; `cargo xtask soak`
 /// takes a day.
 #[test]
 fn memory_is_constant() {
@@ -59,7 +59,7 @@ fn memory_is_constant() {
     assert!(long < short + 4096, "{short} kB have become {long} kB");
 }
 
-/// The most memory that a run has held, as last seen before it ended, in kB.
+/// Returns the peak memory of a run in kB.
 fn peak(time: &str) -> u64 {
     let folder = tempfile::tempdir().unwrap();
     let mut run = Command::new(env!("CARGO_BIN_EXE_rpi"))

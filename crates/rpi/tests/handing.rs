@@ -1,4 +1,4 @@
-//! What a command takes over from the one that it follows (M7.3).
+//! Values that a command takes over from its predecessor (M7.3).
 
 use std::process::Command;
 
@@ -25,7 +25,7 @@ let
 tel
 ";
 
-/// What `left` was in each cycle of `Cut`.
+/// Returns the value of `left` in each cycle of `Cut`.
 fn left(options: &[&str]) -> Vec<String> {
     let folder = tempfile::tempdir().unwrap();
     let program = folder.path().join("both.rpi");
@@ -45,13 +45,13 @@ fn left(options: &[&str]) -> Vec<String> {
     of_left.map(value).collect()
 }
 
-/// The values of the predecessor's last cycle, in all cycles; a default where it exports nothing.
+/// The values are those of the predecessor's last cycle, in all cycles; the default if it does not export them.
 #[test]
 fn a_command_takes_over_what_its_predecessor_exported_last() {
     assert_eq!(left(&[]), ["10.06", "10.06", "10.06"]);
 }
 
-/// A successor that was not loaded in time starts later, with the same values.
+/// A successor that was loaded too late starts later, with the same values.
 #[test]
 fn who_starts_late_takes_over_the_same() {
     assert_eq!(
@@ -60,7 +60,7 @@ fn who_starts_late_takes_over_the_same() {
     );
 }
 
-/// Run by itself a command has nobody to hand it anything: what has no default is to be set, and is not 0.
+/// A command that runs alone has no predecessor: an input without a default must be set, and is not 0.
 #[test]
 fn what_nobody_hands_over_must_be_set() {
     let folder = tempfile::tempdir().unwrap();
@@ -76,7 +76,7 @@ fn what_nobody_hands_over_must_be_set() {
     };
     let (code, said) = run(&[]);
     assert_eq!(code, Some(2), "{said}");
-    let needs = "Cut takes length, n over, and no command runs before it";
+    let needs = "Cut takes over length, n but no command runs before it";
     assert!(said.contains(needs), "{said}");
     let (code, said) = run(&["--set", "length=0.5"]);
     assert_eq!(code, Some(2), "{said}");

@@ -1,20 +1,21 @@
-//! Two arms lift a box, as its reader runs the example: the grippers keep their distance in every cycle, over both takeovers.
+//! The example in which two arms lift a box, as a reader runs it: the distance of the grippers is constant in every
+//! cycle, over both takeovers.
 
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::Command;
 
-/// What the grippers hold, m, and how far they may be off: what inverse kinematics leaves, which a box gives way to.
+/// Width of the box and tolerance in m: the error of inverse kinematics, to which a box yields.
 const WIDTH: f64 = 0.3;
 const OFF: f64 = 1e-6;
-/// How far the arms stand from the middle, m.
+/// Distance of the arms from the middle in m.
 const BASE: f64 = 0.3;
 const DT: f64 = 1e-3;
 
-/// Positions of a tool by cycle, in the cell.
+/// Positions of a tool by cycle, in the frame of the cell.
 type Path3 = Vec<[f64; 3]>;
 
-/// What the tool said, and the ways of both grippers.
+/// Runs the example. Returns the summary and the paths of both grippers.
 fn run(options: &[&str]) -> (String, Path3, Path3) {
     let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/lifting/lifting.rpi");
     let folder = tempfile::tempdir().unwrap();
@@ -37,7 +38,7 @@ fn run(options: &[&str]) -> (String, Path3, Path3) {
     (said.into_owned(), left, right)
 }
 
-/// Where the tool of each arm was told to be, in its base.
+/// Returns the commanded tool positions of each arm, in the frame of its base.
 fn tools(record: &str) -> BTreeMap<String, Path3> {
     let mut tools: BTreeMap<String, Path3> = BTreeMap::new();
     for line in record.lines() {
@@ -64,7 +65,7 @@ fn distance(a: &[f64; 3], b: &[f64; 3]) -> f64 {
     squares.sum::<f64>().sqrt()
 }
 
-/// The cycle in which a command begins.
+/// Returns the first cycle of a command.
 fn begins(said: &str, command: &str) -> usize {
     let line = said.lines().find(|line| line.starts_with(command)).unwrap();
     let seconds = line
@@ -88,7 +89,7 @@ fn assert_together(said: &str, left: &Path3, right: &Path3) {
     assert!(top > 0.45, "the box was lifted to {top} m only");
 }
 
-/// Row 36 of the paper's promises, and row 2: both arms by one command, in the same cycles.
+/// Rows 36 and 2 of the paper's promises: both arms by one command, in the same cycles.
 #[test]
 fn the_grippers_keep_their_distance_over_takeovers_in_motion() {
     let (said, left, right) = run(&[]);

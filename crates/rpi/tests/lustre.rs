@@ -1,4 +1,4 @@
-//! Programs with their tables: `tests/lustre/NAME.lus` and `tests/nodes/NAME.rpi` give `NAME.out.csv` from `NAME.in.csv`.
+//! Programs with tables: `tests/lustre/NAME.lus` and `tests/nodes/NAME.rpi` give `NAME.out.csv` from `NAME.in.csv`.
 
 use std::path::Path;
 use std::process::{Command, Output};
@@ -38,7 +38,7 @@ fn with(program: &Path, extension: &str) -> String {
     program.with_extension(extension).display().to_string()
 }
 
-/// Runs a program's text on a table; what it printed, what it said, and how it ended.
+/// Runs a program on a table. Returns standard output, standard error and exit status.
 fn run(program: &str, table: &str, more: &[&str]) -> (String, String, Option<i32>) {
     run_as("a.lus", program, table, more)
 }
@@ -57,7 +57,7 @@ fn run_as(name: &str, program: &str, table: &str, more: &[&str]) -> (String, Str
     )
 }
 
-/// M2.2.
+/// Rule M2.2.
 #[test]
 fn a_fault_ends_the_run_and_is_told_with_code_cycle_and_place() {
     let program = "node a (x, y: int) returns (z: int); let z = x * y; tel\n";
@@ -67,7 +67,7 @@ fn a_fault_ends_the_run_and_is_told_with_code_cycle_and_place() {
     assert!(err.contains("a.lus:1:46"), "{err}");
 }
 
-/// M6.6: the same whether the condition changes or is a constant.
+/// Rule M6.6: the same for a variable and for a constant condition.
 #[test]
 fn state_in_a_branch_that_is_never_chosen_faults_like_any() {
     let callee = "node Power (x: int) returns (p: int) let p = x -> pre p * x; tel\n";
@@ -125,15 +125,16 @@ fn bad_tables_are_told_with_their_line() {
     assert!(err.contains("no column is called `x`"), "{err}");
 }
 
-/// A millisecond, in nanoseconds.
+/// One millisecond in nanoseconds.
 const PERIOD: u64 = 1_000_000;
 
-/// A name of a flow as an emitted program has it: `x[2].f` becomes `x_2_f`.
+/// Returns a flow name as in an emitted program: `x[2].f` becomes `x_2_f`.
 fn plain(name: &str) -> String {
     name.replace(']', "").replace(['[', '.'], "_")
 }
 
-/// A program as `--emit lustre` writes it, and its table of inputs with plain names and numbers for the values of enums.
+/// Returns a program emitted by `--emit lustre`, and its table of inputs with plain names and with numbers for enum
+/// values.
 fn emitted(program: &Path, table: &str) -> (String, String) {
     let input = rpi_driver::read(program).expect("it is read");
     let compiled = rpi_driver::compile_node(&input, None, rpi_driver::Claims::Fault, false);
@@ -186,14 +187,14 @@ fn emitted(program: &Path, table: &str) -> (String, String) {
     (text, rows.join("\n") + "\n")
 }
 
-/// The type of an in-port that may be absent: in Lustre another beside it tells whether it is there.
+/// Returns the type of an optional in-port. In Lustre, a Boolean in-port beside it says whether it is present.
 fn type_if_optional(node: &rpi_driver::Node, name: &str) -> Option<Scalar> {
     let mut columns = node.inputs.iter();
     let column = columns.find(|column| column.key == name)?;
     column.optional.then_some(column.ty)
 }
 
-/// The columns of a table by plain name.
+/// Returns the columns of a table by plain name.
 fn columns(table: &str) -> Vec<(String, Vec<String>)> {
     let rows: Vec<Vec<&str>> = table
         .lines()
@@ -232,7 +233,7 @@ fn what_is_emitted_as_lustre_gives_the_same_bits() {
         for (name, cells) in columns(&self::text(&wanted.stdout)) {
             let other = found
                 .iter()
-                // `last` is a word of Kind 2: what is called like one gets a number.
+                // `last` is a keyword of Kind 2, so a flow of this name gets a number.
                 .find(|column| column.0 == name || column.0 == format!("{name}_2"))
                 .map(|column| &column.1);
             let is_same = |(a, b): (&String, &String)| a.is_empty() || a == b;
@@ -249,7 +250,7 @@ fn what_is_emitted_as_lustre_gives_the_same_bits() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// A command as `--emit lustre` writes it, and what of it is open there.
+/// Emits a command by `--emit lustre`. Returns the text and the diagnostics about open inputs.
 fn command(text: &str) -> (String, Vec<rpi_diag::Finding>) {
     let compiled = rpi_driver::compile_with(&source(text), rpi_driver::Claims::Fault);
     let compiled = compiled.expect("a program is text");
@@ -290,7 +291,7 @@ fn of_the_results_of_a_command_only_the_chosen_one_is_true() {
 finish big when n >= 1 and time < 1.0[s]; finish other when n >= 1 or time > 5.0[s] + dt;
 fail bad when n >= 3 and dt < 0.5[s]; yield on when n >= 1; tel",
     );
-    // All reads of `time` are one input in ticks, and `dt` is known.
+    // All reads of `time` share one input in ticks, and `dt` is known.
     assert_eq!(open.len(), 2, "{open:?}\n{text}");
     let table = "elapsed,takeover\n0,true\n0,true\n2000,true\n2000,true\n";
     let (out, err, status) = run(&text, table, &[]);
@@ -342,5 +343,5 @@ fn a_table_is_not_replaced_while_it_is_read_and_ends_where_told() {
     assert_eq!(text(&two.stdout), "y\n1\n2\n");
     let json = rpi(&[&run[..], &["--json"]].concat());
     assert_eq!(json.status.code(), Some(2));
-    assert!(text(&json.stderr).contains("--json is for commands"));
+    assert!(text(&json.stderr).contains("--json applies to commands"));
 }

@@ -1,5 +1,5 @@
-//! Promises of the paper that take a whole run to see: set-points at precise intervals, parameters that are fixed and states that
-//! are kept, values that are through the net in their own cycle, and many small commands in place of a big one.
+//! Promises of the paper that need a whole run: set-points at precise intervals, fixed parameters and kept states,
+//! propagation through the net within a cycle, and many small commands instead of a big one.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -25,7 +25,7 @@ fn example(path: &str) -> PathBuf {
     examples.join(path)
 }
 
-/// A folder with a program, and with a cell if there is to be one.
+/// Creates a folder with a program and, if given, a cell.
 fn folder(program: &str, cell: Option<&str>) -> (tempfile::TempDir, PathBuf) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("program.rpi");
@@ -36,7 +36,7 @@ fn folder(program: &str, cell: Option<&str>) -> (tempfile::TempDir, PathBuf) {
     (folder, path)
 }
 
-/// The messages of a topic: when they were written, nanoseconds, and what they say.
+/// Returns the messages of a topic: time in ns and content.
 fn messages(recording: &Path, topic: &str) -> Vec<(u64, serde_json::Value)> {
     let bytes = std::fs::read(recording).unwrap();
     let messages = mcap::MessageStream::new(&bytes)
@@ -47,8 +47,8 @@ fn messages(recording: &Path, topic: &str) -> Vec<(u64, serde_json::Value)> {
     read.collect()
 }
 
-/// Row 3: on the machine's clock there is a set-point in every millisecond. How late each was is in the histogram; on average
-/// nothing is, whatever else the machine does, as deadlines are absolute.
+/// Row 3: in real time there is a set-point in every millisecond. The histogram shows the lateness; the mean is zero
+/// whatever else the machine does, as deadlines are absolute.
 #[test]
 fn set_points_come_at_precise_intervals() {
     let folder = tempfile::tempdir().unwrap();
@@ -62,7 +62,7 @@ fn set_points_come_at_precise_intervals() {
         file.to_str().unwrap(),
     ];
     let mut told = Vec::new();
-    // Others may have the machine for a while.
+    // Other processes may use the machine, so there are several attempts.
     for _ in 0..5 {
         let output = rpi(&example("blending/blending.rpi"), &options);
         let outcome: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
@@ -106,8 +106,8 @@ let
 tel
 ";
 
-/// Row 9: what is given to a command holds for all of its cycles and cannot be set any more; what it counts is kept from one
-/// cycle to the next, and is its own.
+/// Row 9: a parameter is constant for all cycles of a command and cannot be set any more; a counter keeps its value
+/// between cycles and belongs to one command.
 #[test]
 fn parameters_are_fixed_and_states_are_kept() {
     let (folder, program) = folder(COUNTS, None);
@@ -127,10 +127,11 @@ fn parameters_are_fixed_and_states_are_kept() {
     assert!(said(&set).contains("step"), "{}", said(&set));
 }
 
-/// How many additions stand between what is counted and the output, in the opposite order of the text.
+/// Number of additions between the counter and the output, in reverse order of the text.
 const CHAIN: usize = 200;
 
-/// Row 15: in each cycle everything is done once and in its order: the output has this cycle's count, from the first one on.
+/// Row 15: each cycle computes everything once and in order of dependency: the output has this cycle's count from the
+/// first cycle on.
 #[test]
 fn values_are_through_the_whole_net_in_their_cycle() {
     let mut text = "use io;\ncommand Chain (io: AnalogueIo)\nlet\n".to_owned();
@@ -159,7 +160,7 @@ fn values_are_through_the_whole_net_in_their_cycle() {
     }
 }
 
-/// All numbers in a message.
+/// Returns all numbers in a message.
 fn numbers(value: &serde_json::Value) -> Vec<f64> {
     match value {
         serde_json::Value::Array(list) => list.iter().flat_map(numbers).collect(),
@@ -168,13 +169,13 @@ fn numbers(value: &serde_json::Value) -> Vec<f64> {
     }
 }
 
-/// Where the tool goes in the k-th motion.
+/// Returns the goal of the k-th motion.
 fn place(k: usize) -> String {
     let side = if k.is_multiple_of(2) { 40 } else { -40 };
     format!("pose(400[mm], {side}[mm], 450[mm], 0[deg], 180[deg], 0[deg])")
 }
 
-/// So many motions in one command, each a fragment that begins when the one before is done.
+/// Returns one command with this many motions, each a fragment that starts when the previous one is done.
 fn one_big(motions: usize) -> String {
     let mut text = "use motion;\ncommand All (arm: Arm)\nlet\n".to_owned();
     for k in 0..motions {
@@ -201,7 +202,7 @@ fn one_big(motions: usize) -> String {
     )
 }
 
-/// The same motions as commands that follow one another.
+/// Returns the same motions as separate commands of a task.
 fn many_small(motions: usize) -> String {
     let mut text = "use motion;\ncommand Move (arm: Arm; to: Pose = pose(400[mm], 0[mm], 450[mm], 0[deg], 180[deg], 0[deg]))\nlet\n  way = Line(from: arm.pose, to: to);\n  arm.tcp = way.pose;\n  finish done when way.done;\n  fail arm_error when arm.error;\ntel\n\ntask All (arm: Arm)\nlet\n".to_owned();
     for k in 0..motions {
@@ -223,14 +224,14 @@ fn images(text: &str) -> Vec<Image> {
         .collect()
 }
 
-/// The size of the largest thing that has to be loaded at once, bytes.
+/// Returns the size in bytes of the largest image that must be loaded at once.
 fn largest(text: &str) -> usize {
     let sizes = images(text).iter().map(|i| i.to_bytes().len()).max();
     sizes.unwrap()
 }
 
-/// Row 22: a command with all motions in it grows with their number; commands that follow one another stay as small as one of
-/// them, and the arm gets where it would have got to.
+/// Row 22: the size of one command grows with the number of motions; separate commands stay small, and the arm reaches
+/// the same goal.
 #[test]
 fn many_small_commands_scale_where_one_big_one_does_not() {
     let big = [2, 8, 16].map(|n| largest(&one_big(n)));

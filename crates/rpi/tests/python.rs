@@ -1,9 +1,9 @@
-//! The client in Python against this server: its own tests, where there is a Python.
+//! Runs the tests of the Python client against this server, if Python is installed.
 
 use std::io::Write;
 use std::process::Command;
 
-/// Asyncio and the forms of types that the client uses came with this version.
+/// Asyncio and the type annotations of the client require this version.
 const SINCE: &str = "import sys; sys.exit(sys.version_info < (3, 10))";
 
 #[test]
@@ -13,7 +13,7 @@ fn the_python_client_drives_the_server() {
         there.is_ok_and(|status| status.success())
     });
     let Some(python) = python else {
-        // Past the harness, which captures prints of tests that pass.
+        // Writes past the test harness, which captures the output of passing tests.
         let line = b"SKIPPED: the Python client: there is no Python 3.10 or later\n";
         return std::io::stderr().write_all(line).unwrap();
     };
@@ -26,6 +26,6 @@ fn the_python_client_drives_the_server() {
         .unwrap();
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{said}");
-    // Tests that were passed over say so here.
+    // The last line shows how many tests were skipped.
     println!("{}", said.lines().last().unwrap_or_default());
 }

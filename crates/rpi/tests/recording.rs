@@ -1,4 +1,5 @@
-//! Recordings of the paper's example: run again they give the same bits across all takeovers, and whatever is wrong with one is told.
+//! Recordings of the paper's example: a replay gives the same bits across all takeovers, and any error in a recording
+//! is reported.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
@@ -21,7 +22,7 @@ fn blending() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/blending/blending.rpi")
 }
 
-/// A recording of the example, and what the tool said.
+/// Records the example. Returns the file and the output of the tool.
 fn record(folder: &Path, options: &[&str]) -> (PathBuf, String) {
     let (program, file) = (blending(), folder.join("out.mcap"));
     let mut arguments = vec!["run", program.to_str().unwrap()];
@@ -57,7 +58,7 @@ fn a_recording_gives_the_same_bits_across_takeovers() {
     assert!(report["values"].as_u64() > Some(5_000), "{report}");
 }
 
-/// Records a program on real time, and sends the run a signal after a while.
+/// Records a program in real time and sends a signal to the run after a while.
 #[cfg(unix)]
 fn signalled(arguments: &[&str], file: &Path, signal: &str, after: Duration) -> Output {
     let mut run = Command::new(env!("CARGO_BIN_EXE_rpi"));
@@ -68,7 +69,7 @@ fn signalled(arguments: &[&str], file: &Path, signal: &str, after: Duration) -> 
     let run = run.arg(file).env("NO_COLOR", "1");
     let run = run.stdout(Stdio::piped()).stderr(Stdio::piped());
     let run = run.spawn().unwrap();
-    // It hears signals before it makes the file.
+    // The signal handlers are installed before the file is created.
     let begin = Instant::now();
     while !file.exists() {
         assert!(begin.elapsed() < Duration::from_secs(30));
@@ -82,7 +83,7 @@ fn signalled(arguments: &[&str], file: &Path, signal: &str, after: Duration) -> 
     run.wait_with_output().unwrap()
 }
 
-/// By then the arm moves.
+/// Time after which the arm moves.
 #[cfg(unix)]
 const UNDER_WAY: Duration = Duration::from_secs(1);
 
@@ -110,7 +111,7 @@ fn a_recording_on_real_time_behind_a_fence_gives_the_same_bits() {
     assert_eq!(code, Some(0), "{told}");
 }
 
-/// The bytes of a value that the arm was given, as they stand on the tape.
+/// A changed value in a recording is detected by the replay and reported with its tick.
 #[test]
 fn a_value_that_was_changed_is_told_with_its_tick() {
     let folder = tempfile::tempdir().unwrap();
@@ -126,7 +127,8 @@ fn a_value_that_was_changed_is_told_with_its_tick() {
     );
 }
 
-/// Changes the lowest bit of a number on the tape. Checksums, which tell accidents, are set right again.
+/// Changes the lowest bit of a number in the recorded log and corrects the checksums, which only detect accidental
+/// changes.
 fn tampered(bytes: &[u8]) -> Vec<u8> {
     let mut changed = Vec::new();
     let mut out = std::io::Cursor::new(&mut changed);
@@ -166,7 +168,7 @@ fn tampered(bytes: &[u8]) -> Vec<u8> {
     changed
 }
 
-/// The first set-point of a tick: an entry of kind 7 (`form.txt` of the recording describes the words).
+/// Finds the first set-point of a tick: an entry of kind 7 (`form.txt` of the recording describes the words).
 fn set_point(tick: &mut [u8]) {
     let word = |tick: &[u8], k: usize| u64::from_le_bytes(tick[k * 8..][..8].try_into().unwrap());
     let mut at = 6;
@@ -195,7 +197,7 @@ fn what_is_cut_off_or_foreign_is_told_with_its_code() {
     assert!(replay(&file).1.contains("RPI9021"));
 }
 
-/// What viewers are shown.
+/// Topics for viewers.
 #[test]
 fn flows_set_points_sensors_and_events_are_there_for_viewers() {
     let folder = tempfile::tempdir().unwrap();
@@ -227,7 +229,7 @@ fn flows_set_points_sensors_and_events_are_there_for_viewers() {
     }
 }
 
-/// A server that is asked to end closes in order, and its recording is whole.
+/// An interrupted server closes in an orderly way, and its recording is complete.
 #[cfg(unix)]
 #[test]
 fn a_server_records_until_it_is_interrupted() {
@@ -265,7 +267,7 @@ fn a_server_records_until_it_is_interrupted() {
     assert_eq!(code, Some(0), "{told}");
 }
 
-/// Checksums in it are looked at: no changed bit goes unnoticed.
+/// Checksums are verified: any changed bit is detected.
 #[test]
 fn a_flipped_bit_is_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -285,7 +287,7 @@ fn a_flipped_bit_is_refused() {
     assert!(told.contains("RPI9021"), "{told}");
 }
 
-/// What is told of a topic.
+/// Returns the messages of a topic.
 fn told(file: &Path, topic: &str) -> Vec<serde_json::Value> {
     let bytes = std::fs::read(file).unwrap();
     let messages = mcap::MessageStream::new(&bytes)
@@ -296,7 +298,7 @@ fn told(file: &Path, topic: &str) -> Vec<serde_json::Value> {
     read.collect()
 }
 
-/// Brakes come with the end that they belong to, and a device moves in the tick in which it does.
+/// A braking event belongs to the end of its command, and a device event has the tick of the change.
 #[test]
 fn events_have_their_own_ticks() {
     let folder = tempfile::tempdir().unwrap();
@@ -320,7 +322,7 @@ fn events_have_their_own_ticks() {
     assert_eq!(code, Some(0), "{told}");
 }
 
-/// Cycles that cannot be kept end the run as a fault, and each is an event.
+/// Cycles that take too long end the run as a fault, and each one is an event.
 #[test]
 fn overruns_are_recorded_and_a_stop_for_them_is_a_fault() {
     let folder = tempfile::tempdir().unwrap();
@@ -336,7 +338,7 @@ fn overruns_are_recorded_and_a_stop_for_them_is_a_fault() {
     let output = rpi(&arguments);
     assert_eq!(output.status.code(), Some(3), "{}", said(&output));
     assert!(
-        said(&output).contains("cycles took too long"),
+        said(&output).contains("too many overruns"),
         "{}",
         said(&output)
     );
@@ -364,7 +366,7 @@ fn what_cannot_be_written_is_told_by_name() {
     }
 }
 
-/// Nothing that has moved is undone by a file that takes no more: it is told what has happened, and that it was not recorded.
+/// After a write error of the recording, the summary is still printed, with the error.
 #[cfg(unix)]
 #[test]
 fn what_has_happened_is_told_where_the_file_takes_no_more() {
@@ -373,7 +375,7 @@ fn what_has_happened_is_told_where_the_file_takes_no_more() {
     let text = "command Count ()\nlet\n  n = 1 -> pre n + 1;\n  export n;\n  finish done when n >= 30000;\ntel\n";
     std::fs::write(path("count.rpi"), text).unwrap();
     std::fs::write(path("cell.toml"), "").unwrap();
-    // Files of 32 kB at most; a write beyond is an error, and no signal.
+    // Files of 32 kB at most; a write beyond is an error instead of a signal.
     let limited = "trap '' XFSZ; ulimit -f 64; exec \"$0\" \"$@\"";
     let program = [env!("CARGO_BIN_EXE_rpi"), "run", &path("count.rpi")].map(str::to_owned);
     let mut shell = std::process::Command::new("sh");
@@ -391,7 +393,7 @@ fn what_has_happened_is_told_where_the_file_takes_no_more() {
     );
 }
 
-/// An emergency stop ends everything with that as its cause, and says what still moved.
+/// An emergency stop ends everything with that cause and reports what was still moving.
 #[cfg(unix)]
 #[test]
 fn sigquit_is_an_emergency_stop() {
@@ -409,7 +411,7 @@ fn sigquit_is_an_emergency_stop() {
     assert_eq!(code, Some(0), "{told}");
 }
 
-/// An emergency stop is told whether a command ran in that tick or not.
+/// An emergency stop is reported whether a command ran in that tick or not.
 #[cfg(unix)]
 #[test]
 fn sigquit_between_commands_is_told() {
@@ -429,7 +431,7 @@ task Short let repeat let Rest(); Rest(); tel tel
     assert_eq!(told["stopped"], "emergency stop");
 }
 
-/// Whoever ends at rest leaves nothing to brake.
+/// A run that ends at rest leaves nothing to brake.
 #[test]
 fn examples_end_at_rest() {
     let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");
@@ -448,7 +450,7 @@ fn examples_end_at_rest() {
     }
 }
 
-/// What a device refuses is told as that, with its place, and not as a set-point that is missing.
+/// A set-point refused by a device is reported as such with its location, and not as a missing set-point.
 #[test]
 fn a_refused_set_point_is_told_as_that() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,9 +1,9 @@
-//! Rules of the semantics that show in a run: which result counts, what a fault does.
+//! Rules of the semantics that need a run: which result counts, and the effect of a fault.
 
 use std::path::Path;
 use std::process::Command;
 
-/// What the tool prints and records of a program on the cell of the first example.
+/// Runs a program on the cell of the first example. Returns the outcome and the recorded rows.
 fn run(program: &str) -> (serde_json::Value, String) {
     let folder = tempfile::tempdir().unwrap();
     let [path, cell, record] =
@@ -21,13 +21,13 @@ fn run(program: &str) -> (serde_json::Value, String) {
     (outcome, std::fs::read_to_string(record).unwrap())
 }
 
-/// How a command ends of which these results come true in one cycle.
+/// Returns the ending of a command whose results all come true in one cycle.
 fn end(results: &str) -> serde_json::Value {
     let program = format!("command Both\nlet\n  n = 0 -> pre n + 1;\n{results}tel\n");
     run(&program).0["commands"][0]["end"].clone()
 }
 
-/// M10.1.
+/// Rule M10.1.
 #[test]
 fn an_error_goes_before_other_results_then_the_order_of_the_text() {
     let of_errors = end(
@@ -42,7 +42,7 @@ fn an_error_goes_before_other_results_then_the_order_of_the_text() {
     assert_eq!(of_others["name"], "a", "{of_others}");
 }
 
-/// M2.2: the set-point of the cycle is dropped, the device stops on its own limits.
+/// Rule M2.2: the set-point of the cycle is dropped, and the device stops within its own limits.
 #[test]
 fn a_fault_ends_the_command_and_the_arm_stops_by_itself() {
     let program = "use motion;
@@ -80,7 +80,7 @@ tel
     assert_eq!(last[0], last[1], "it stands in the end");
 }
 
-/// What a command that faults says about it: where it stands in the text, in which cycle, and what happened.
+/// A fault of a command is reported with location, cycle and cause.
 #[test]
 fn a_fault_of_a_command_has_its_place_in_the_text() {
     let folder = tempfile::tempdir().unwrap();
@@ -119,7 +119,7 @@ tel
             assert!(err.contains("RPI9011") && err.contains(&place), "{err}");
             let cycle = format!("cycle 3 of `Count`: {what}");
             assert!(err.contains(&cycle), "{err}");
-            let values = ["this is promised", "in this cycle n = 3", "in the call `n`"];
+            let values = ["guaranteed here", "in this cycle n = 3", "in the call `n`"];
             let told = values.map(|part| err.contains(part));
             assert_eq!(told, [contracts == "fault"; 3], "{err}");
             assert_eq!(
@@ -131,7 +131,7 @@ tel
     }
 }
 
-/// Of several runs of a command is told in which a claim did not hold.
+/// A violated claim is reported with the run of the command in which it was violated.
 #[test]
 fn a_claim_of_a_task_is_told_with_its_command() {
     let folder = tempfile::tempdir().unwrap();
@@ -156,7 +156,7 @@ tel
     assert!(err.contains("from 0.005 s on"), "{err}");
 }
 
-/// What a device refuses does not pass for well, unless a command minds.
+/// A set-point refused by a device makes the run a fault, unless a command handles it.
 #[test]
 fn what_a_device_refuses_is_no_good_end() {
     let folder = tempfile::tempdir().unwrap();
@@ -173,7 +173,7 @@ fn what_a_device_refuses_is_no_good_end() {
     for (minds, status, how) in [
         ("", 3, "finished with over"),
         ("  fail arm_error when arm.error;\n", 1, "arm_error"),
-        // What fails later, and is minded, has nothing to do with it.
+        // A later, handled error is unrelated to the refused set-point.
         (both.as_str(), 3, "nothing"),
     ] {
         let text = format!(

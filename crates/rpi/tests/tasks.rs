@@ -1,5 +1,5 @@
-//! Tasks with strands that run at once (M11.6): they begin and meet in the same tick, an error in one ends the others, and what
-//! comes after them follows without a gap.
+//! Tasks with parallel branches (M11.6): they start and join in the same tick, an error in one ends the others, and the
+//! next command follows without a gap.
 
 use std::process::{Command, Output};
 
@@ -65,7 +65,7 @@ fn run(task: &str, options: &[&str]) -> (Option<i32>, Value, String) {
     (status.code(), told, said)
 }
 
-/// Name, first tick and number of cycles of each command, in the order of their starts.
+/// Returns name, first tick and number of cycles of each command, in the order of their starts.
 fn times(told: &Value) -> Vec<(String, u64, u64)> {
     let commands = told["commands"].as_array().unwrap().iter();
     let times = commands.map(|c| {
@@ -117,7 +117,7 @@ tel
     assert_eq!(told["devices"][0]["moving"], false);
 }
 
-/// However often nothing is repeated, what comes behind it runs.
+/// A loop whose body runs nothing is left, and the next command runs.
 #[test]
 fn rounds_in_which_nothing_runs_are_passed() {
     let task = "task All (left: AnalogueIo)
@@ -167,7 +167,8 @@ command Wait (n: int) let finish over when time >= real(n - 1) * 1[ms]; tel
     );
 }
 
-/// What is behind the strands comes in time whichever of them is the last, and takes over what the first has told.
+/// The command after parallel branches starts in time whichever branch ends last, and takes over the values of the
+/// first one.
 #[test]
 fn it_does_not_matter_which_strand_is_the_last() {
     for (one, other) in [(4, 9), (9, 4), (6, 6)] {
@@ -205,7 +206,7 @@ tel
     );
 }
 
-/// A task that goes on after an error has not failed.
+/// A task that continues after an error has not failed.
 #[test]
 fn a_branch_for_errors_follows_once_all_strands_have_ended() {
     let task = "task Inner (left, right: AnalogueIo)
@@ -272,7 +273,7 @@ fn one_device_in_two_strands_is_refused() {
     }
 }
 
-/// Work that takes its time does not make strands meet later than the last of them ends, and is told.
+/// Planning time does not delay the join beyond the end of the last branch, and a late successor is reported.
 #[test]
 fn a_late_successor_of_strands_is_told() {
     let task = "task All (left, right: AnalogueIo)

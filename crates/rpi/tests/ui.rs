@@ -1,5 +1,5 @@
-//! What `rpi run` says of a node in whose cycles something goes wrong: `tests/ui/running/NAME.rpi` on `NAME.csv` says
-//! `NAME.stderr`. `RPI_BLESS=1` writes the messages anew.
+//! Diagnostics of `rpi run` for a node with a fault in its cycles: `tests/ui/running/NAME.rpi` on `NAME.csv` gives
+//! `NAME.stderr`. `RPI_BLESS=1` updates the files.
 
 use std::path::Path;
 
@@ -13,7 +13,7 @@ fn runs_say_what_stands_beside_them() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// What is said of a program, if that is not what stands beside it.
+/// Returns the output for a program if it differs from the expected one.
 fn differs(path: &Path) -> Option<String> {
     tool_differs(path, env!("CARGO_BIN_EXE_rpi"), |command, name| {
         command.arg("run").arg(name).arg("--inputs");

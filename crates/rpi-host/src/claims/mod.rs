@@ -1,8 +1,8 @@
-//! Claims while a net runs: assertions and contracts that are watched, and what is told of those that do not hold.
+//! Run-time monitoring of claims: assertions, properties and contracts (assume, guarantee, modes) of a net.
 //!
-//! A claim is told once, for the first cycle in which it does not hold; how often it did not is told at the end. A call
-//! whose assumption is broken owes no guarantee from that cycle on. What a claim says is the business of who made the
-//! net; this part knows the exports that carry it.
+//! A violation is reported for the first cycle only; the number of violations is reported at the end. After a violated
+//! assumption the guarantees of the same call are no longer checked. This module knows the exports that carry the
+//! claims. It must not depend on the source language.
 
 mod sink;
 mod told;
@@ -18,17 +18,17 @@ use rpi_prims::FaultCode;
 
 use crate::run::fault_text;
 
-/// Where the values of exports come from.
+/// Access to the values of exports.
 pub trait Flows {
-    /// The cells of an export in this cycle; none if it is absent or there is no such export.
+    /// Returns the memory words of an export in this cycle; `None` if the flow is absent or the export does not exist.
     fn cells(&self, export: usize) -> Option<&[u64]>;
 }
 
-/// Claims that are watched.
+/// Monitor of a set of claims.
 #[derive(Debug)]
 pub struct Watch {
     claims: Vec<Watched>,
-    /// Calls with a broken assumption.
+    /// Paths of the calls with a violated assumption. Their guarantees are not checked any more.
     released: BTreeSet<String>,
 }
 
@@ -37,14 +37,14 @@ struct Watched {
     claim: Claim,
     condition: Option<usize>,
     reads: Vec<(usize, Type)>,
-    /// What it read in the cycle before, if it looks back.
+    /// Values read in the previous cycle, if the claim refers to it.
     before: Vec<Option<Vec<u64>>>,
-    /// The cycles in which it was there, and those in which it did not hold.
+    /// Number of cycles in which the claim was present. `failed` is the number of cycles in which it was violated.
     seen: u64,
     failed: u64,
 }
 
-/// A claim that did not hold, and the values of what it reads.
+/// A violated claim with the values that it reads.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Broken {
     claim: usize,
@@ -52,17 +52,17 @@ pub struct Broken {
     before: Option<String>,
 }
 
-/// What became of a claim in a whole run.
+/// Number of evaluations and violations of a claim in a run.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Tally {
-    /// Cycles in which it could be looked at.
+    /// Number of cycles in which the claim was evaluated.
     pub seen: u64,
-    /// Cycles in which it did not hold.
+    /// Number of cycles in which the claim was violated.
     pub broken: u64,
 }
 
 impl Watch {
-    /// Watches claims; `export` finds the number and type of an export by its key.
+    /// Creates a monitor. `export` returns the index and type of an export by its key.
     pub fn new(claims: &[Claim], export: impl Fn(&str) -> Option<(usize, Type)>) -> Watch {
         let watched = |claim: &Claim| {
             let found = claim.reads.iter().map(|read| export(&read.key));
@@ -80,7 +80,7 @@ impl Watch {
                 failed: 0,
             }
         };
-        // Assumptions first: they decide what is owed.
+        // Assumptions first: a violated assumption releases the guarantees of the same cycle.
         let mut all: Vec<Watched> = claims.iter().map(watched).collect();
         all.sort_by_key(|watched| watched.claim.kind == ClaimKind::Guarantee);
         Watch {
@@ -89,7 +89,7 @@ impl Watch {
         }
     }
 
-    /// Looks at all claims in a cycle; gives those that do not hold for the first time.
+    /// Evaluates all claims in a cycle and returns those that are violated for the first time.
     pub fn look(&mut self, flows: &dyn Flows) -> Vec<Broken> {
         let mut broken = Vec::new();
         for (k, watched) in self.claims.iter_mut().enumerate() {
@@ -101,14 +101,14 @@ impl Watch {
         broken
     }
 
-    /// What is told of a claim that did not hold in a cycle.
+    /// Returns the diagnostic for a claim that was violated in a cycle.
     #[must_use]
     pub fn told(&self, broken: &Broken, cycle: u64) -> Finding {
         told::finding(&self.claims[broken.claim].claim, broken, cycle)
     }
 
-    /// Tells a fault as what it comes from, a claim that did not hold; gives what is wrong. None if it comes from something
-    /// else.
+    /// Rewrites the diagnostic of a fault if the fault was raised by this violated claim. Returns the new message;
+    /// `None` if the fault has another cause.
     pub(crate) fn tell_fault(&self, fault: &mut Finding, broken: &Broken) -> Option<String> {
         let claim = &self.claims[broken.claim].claim;
         let assertion = fault_text(FaultCode::AssertionFailed);
@@ -121,7 +121,7 @@ impl Watch {
         })
     }
 
-    /// What became of each claim.
+    /// Returns the statistics of each claim.
     pub fn tallies(&self) -> impl Iterator<Item = (&Claim, Tally)> {
         self.claims.iter().map(|watched| {
             let (seen, broken) = (watched.seen, watched.failed);
@@ -129,7 +129,7 @@ impl Watch {
         })
     }
 
-    /// One line for each claim that did not hold in more than one cycle.
+    /// Returns one line for each claim that was violated in more than one cycle.
     #[must_use]
     pub fn summary(&self) -> String {
         let often = self.tallies().filter(|(_, tally)| tally.broken > 1);
@@ -150,10 +150,10 @@ impl Watch {
 }
 
 impl Watched {
-    /// Looks at it in a cycle; true if it does not hold for the first time.
+    /// Evaluates the claim in a cycle. Returns true if it is violated for the first time.
     fn look(&mut self, flows: &dyn Flows, released: &mut BTreeSet<String>) -> bool {
         let owed = self.claim.kind != ClaimKind::Guarantee || !released.contains(&self.claim.path);
-        // A claim that holds in every cycle is no export of its own.
+        // A claim that is constantly true has no export.
         let holds = self.condition.map_or(Some(true), |export| {
             flows.cells(export).map(|cells| cells.first() != Some(&0))
         });
@@ -166,7 +166,7 @@ impl Watched {
         fails && self.failed == 1
     }
 
-    /// Keeps what it has read for the next cycle.
+    /// Stores the values of this cycle for the next one, if the claim refers to the previous cycle.
     fn keep(&mut self, flows: &dyn Flows) {
         if self.claim.looks_back {
             let cells = |(export, _): &(usize, Type)| flows.cells(*export).map(<[u64]>::to_vec);
@@ -259,7 +259,7 @@ mod tests {
         let found = look(&mut watch, 1, &cycle(0, 6));
         assert_eq!(codes(&found), [Code::RPI9014]);
         assert!(found[0].message.ends_with("is not kept in cycle 1"));
-        let notes = ["in this cycle x = 6", "in the cycle before x = 5"];
+        let notes = ["in this cycle x = 6", "in the previous cycle x = 5"];
         assert_eq!(found[0].notes[..2], notes);
         assert_eq!(look(&mut watch, 2, &cycle(0, 7)), []);
         assert!(

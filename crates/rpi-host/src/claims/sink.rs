@@ -1,5 +1,5 @@
-//! Claims of commands that run on a clock: watched on the samples that the cycle hands out, so that the cycle itself only
-//! computes and publishes them.
+//! Monitoring of claims during a run. It works on the samples sent by the cycle, so the cycle only computes and
+//! publishes the claims.
 
 use rpi_diag::Finding;
 use rpi_image::Type;
@@ -8,11 +8,11 @@ use rpi_net::Claim;
 use super::{Broken, Flows, Watch};
 use crate::run::{Channel, CommandEnd, Outcome, RunEnd, Sink};
 
-/// Watches the claims of the commands of a run.
+/// Sink that monitors the claims of the commands of a run.
 #[derive(Debug)]
 pub struct ClaimSink {
     commands: Vec<Watched>,
-    /// For each channel the command and the flow that it belongs to.
+    /// For each channel, the indices of its command and of its flow in the command.
     of: Vec<Option<(usize, usize)>>,
 }
 
@@ -21,7 +21,7 @@ struct Watched {
     name: String,
     claims: Vec<Claim>,
     watch: Watch,
-    /// The values of this tick.
+    /// Values of the current tick.
     row: Row,
     tick: Option<u64>,
     broken: Vec<(u64, Broken)>,
@@ -37,7 +37,7 @@ impl Flows for Row {
 }
 
 impl ClaimSink {
-    /// Watches what these commands claim: the name of each, and its claims.
+    /// Creates a sink for commands with their names and claims.
     #[must_use]
     pub fn new<'n>(commands: impl Iterator<Item = (&'n str, &'n [Claim])>) -> ClaimSink {
         let watched = |(name, claims): (&str, &[Claim])| Watched {
@@ -54,7 +54,8 @@ impl ClaimSink {
         }
     }
 
-    /// What did not hold, once the run is over, and how often. What ended a command by a fault is told with that.
+    /// Returns the diagnostics of all violated claims and a summary, after the end of a run. A violation that ended a
+    /// command with a fault is merged into the diagnostic of that fault.
     #[must_use]
     pub fn told(mut self, outcome: &mut Outcome) -> (Vec<Finding>, String) {
         let (mut findings, mut summary) = (Vec::new(), String::new());
@@ -81,14 +82,15 @@ impl ClaimSink {
     }
 }
 
-/// The command of this name that ran in a tick.
+/// Returns the run of the command with this name that was active in a tick.
 fn run_in<'o>(outcome: &'o mut Outcome, name: &str, tick: u64) -> Option<&'o mut CommandEnd> {
     let runs = outcome.commands.iter_mut().filter(|run| run.name == name);
     let begun = runs.filter(|run| run.first_tick.is_some_and(|first| first <= tick));
     begun.max_by_key(|run| run.first_tick)
 }
 
-/// Whether a claim that did not hold has ended a command by a fault, which is told as that then.
+/// Merges a violated claim into the fault of its command. Returns false if the command did not fault in this tick
+/// because of this claim.
 fn is_its_fault(run: &mut CommandEnd, watch: &Watch, tick: u64, broken: &Broken) -> bool {
     let last = run
         .first_tick
@@ -136,7 +138,7 @@ impl Sink for ClaimSink {
 }
 
 impl Watched {
-    /// Looks at the tick whose samples are complete.
+    /// Evaluates the claims on the values of a completed tick.
     fn look(&mut self) {
         if let Some(tick) = self.tick.take() {
             let broken = self.watch.look(&self.row);

@@ -1,4 +1,4 @@
-//! What is told of a claim that does not hold: whose fault it is, in which cycle, with which values.
+//! Diagnostics of violated claims: responsible side, cycle and values.
 
 use rpi_diag::{Code, Finding};
 use rpi_image::Type;
@@ -6,7 +6,7 @@ use rpi_net::{Claim, ClaimKind, ClaimRead, literal};
 
 use super::Broken;
 
-/// The finding of a claim that does not hold in a cycle.
+/// Returns the diagnostic of a claim that is violated in a cycle.
 pub(super) fn finding(claim: &Claim, broken: &Broken, cycle: u64) -> Finding {
     let row = row(claim.kind);
     let message = format!("{} in cycle {cycle}", sentence(claim));
@@ -15,7 +15,7 @@ pub(super) fn finding(claim: &Claim, broken: &Broken, cycle: u64) -> Finding {
         finding = finding.note(format!("in this cycle {}", broken.now));
     }
     if let Some(before) = broken.before.as_ref().filter(|before| !before.is_empty()) {
-        finding = finding.note(format!("in the cycle before {before}"));
+        finding = finding.note(format!("in the previous cycle {before}"));
     }
     match &claim.path[..] {
         "" => finding,
@@ -23,7 +23,7 @@ pub(super) fn finding(claim: &Claim, broken: &Broken, cycle: u64) -> Finding {
     }
 }
 
-/// A value as the program writes it.
+/// Returns a value in source syntax, with the unit of the flow.
 pub(super) fn value(read: &ClaimRead, cells: Option<&[u64]>, ty: Type) -> String {
     let Some(cells) = cells else {
         return "none".to_owned();
@@ -34,12 +34,12 @@ pub(super) fn value(read: &ClaimRead, cells: Option<&[u64]>, ty: Type) -> String
         .unwrap_or_else(|| format!("{}{}", literal::write(cells, ty), read.unit))
 }
 
-/// What is wrong if a claim does not hold.
+/// Returns the description of a violation, for example "the guarantee of `f` is not kept".
 pub(super) fn sentence(claim: &Claim) -> String {
     format!("{} {}", what(claim), row(claim.kind).verb)
 }
 
-/// What is told of a kind of claim.
+/// Texts and code of one kind of claim.
 struct Row {
     kind: ClaimKind,
     code: Code,
@@ -68,9 +68,9 @@ const fn told(
 const ROWS: &[Row] = &[
     told(ClaimKind::Assert,    Code::RPI9012, "the assertion",  "does not hold", "this is false"),
     told(ClaimKind::Check,     Code::RPI9012, "the property",   "does not hold", "this is false"),
-    told(ClaimKind::Assume,    Code::RPI9013, "the assumption", "is broken by the caller", "the caller sees to this"),
-    told(ClaimKind::Guarantee, Code::RPI9014, "the guarantee",  "is not kept", "this is promised"),
-    told(ClaimKind::Modes,     Code::RPI9015, "the contract",   "has no mode that applies", "one of these applies, it is said"),
+    told(ClaimKind::Assume,    Code::RPI9013, "the assumption", "is broken by the caller", "assumed here"),
+    told(ClaimKind::Guarantee, Code::RPI9014, "the guarantee",  "is not kept", "guaranteed here"),
+    told(ClaimKind::Modes,     Code::RPI9015, "the contract",   "has no mode that applies", "at least one of these modes must apply"),
 ];
 
 fn row(kind: ClaimKind) -> &'static Row {
@@ -78,7 +78,7 @@ fn row(kind: ClaimKind) -> &'static Row {
     row.unwrap_or(&ROWS[0])
 }
 
-/// `the guarantee "smaller" of Half, mode up`
+/// Returns the name of a claim in a message, for example: the guarantee "smaller" of `Half` in mode `up`.
 pub(super) fn what(claim: &Claim) -> String {
     let label = claim.label.as_ref().map(|label| format!(" \"{label}\""));
     let mode = claim.mode.as_ref().map(|mode| format!(" in mode `{mode}`"));

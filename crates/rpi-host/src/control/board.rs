@@ -1,38 +1,38 @@
-//! What a command exports, as its latest cycle left it: written by the cycle, read by anybody.
+//! Exports of a command after its latest cycle, written by the cycle and readable from any thread.
 //!
-//! A sequence lock over atomic cells (Lamport 1977; H.-J. Boehm, "Can seqlocks get along with programming language memory
-//! models?", MSPC 2012): the writer never waits, a reader that meets a write tries again.
+//! A sequence lock over atomic cells (Lamport 1977; H.-J. Boehm, "Can seqlocks get along with programming language
+//! memory models?", MSPC 2012). The writer never waits. A reader that observes a concurrent write retries.
 
 use std::sync::atomic::{AtomicU64, Ordering, fence};
 
 use rpi_core::{Command, Overrun, Overruns};
 use rpi_image::image::Export;
 
-/// How often a reader tries before it gives up: a write takes less than a microsecond, and there is one per cycle.
+/// Maximum number of read attempts. A write takes less than a microsecond and happens once per cycle.
 const TRIES: usize = 1000;
 
-/// The exports of one command, as its latest cycle left them. A reader never holds the cycle up; one that is slow sees fewer
-/// cycles, not older ones.
+/// Exports of one command after its latest cycle. Readers never delay the cycle. A slow reader skips cycles but always
+/// sees the latest one.
 #[derive(Debug)]
 pub struct Board {
-    /// Odd while it is being written.
+    /// Version counter of the sequence lock; odd during a write.
     version: AtomicU64,
-    /// For each export its presence, then its value.
+    /// For each export, one word for its presence, followed by the words of its value.
     cells: Box<[AtomicU64]>,
-    /// Cycles that took too long.
+    /// Statistics of overruns.
     late: Worst,
 }
 
-/// How many cycles took too long, and the worst of them; written far less often, under a lock of its own.
+/// Number of overruns and the worst of them. It has its own sequence lock because it is rarely written.
 #[derive(Debug, Default)]
 struct Worst {
     version: AtomicU64,
-    /// How many; then tick, time that it took, time by which it was late, and fragment of the worst.
+    /// Number of overruns, followed by tick, duration, lateness and fragment of the worst one.
     words: [AtomicU64; 5],
 }
 
 impl Board {
-    /// A board for these exports; nothing is present.
+    /// Creates a board for these exports. All exports are absent.
     pub(super) fn new(exports: &[Export]) -> Board {
         let cells: usize = exports.iter().map(size).sum();
         Board {
@@ -42,7 +42,7 @@ impl Board {
         }
     }
 
-    /// Copies what a command exports after a cycle. Only the cycle's thread writes; allocates nothing.
+    /// Writes the exports of a command after a cycle. Only the cycle thread calls this; it does not allocate.
     pub(super) fn write(&self, command: &Command) {
         let machine = command.machine();
         let version = begin(&self.version);
@@ -61,7 +61,7 @@ impl Board {
         self.version.store(version + 2, Ordering::Release);
     }
 
-    /// Notes that a cycle took too long.
+    /// Writes the overrun statistics of the command.
     pub(super) fn note(&self, overruns: &Overruns) {
         let Some(worst) = overruns.worst else {
             return;
@@ -76,7 +76,7 @@ impl Board {
         self.late.version.store(version + 2, Ordering::Release);
     }
 
-    /// How many cycles took too long, and the worst of them; nothing if none did.
+    /// Returns the number of overruns and the worst one; `None` if there was none.
     #[must_use]
     pub fn overruns(&self) -> Option<(u64, Overrun)> {
         let words = read(&self.late.version, &self.late.words)?;
@@ -93,19 +93,20 @@ impl Board {
         Some((count, worst))
     }
 
-    /// How many cycles have been written.
+    /// Returns the number of cycles written so far.
     #[must_use]
     pub fn cycles(&self) -> u64 {
         self.version.load(Ordering::Acquire) / 2
     }
 
-    /// All cells of one cycle; none before the first.
+    /// Returns all words of one cycle; `None` before the first cycle.
     #[must_use]
     pub fn read(&self) -> Option<Vec<u64>> {
         read(&self.version, &self.cells)
     }
 
-    /// The exports one by one with what was read of them; `None` for an absent value.
+    /// Splits the words returned by [`Board::read`] into exports and their values; the value of an absent export is
+    /// `None`.
     pub fn values<'a>(
         exports: &'a [Export],
         mut cells: &'a [u64],
@@ -119,7 +120,7 @@ impl Board {
     }
 }
 
-/// A write begins: the version before it.
+/// Begins a write. Returns the version before it.
 fn begin(version: &AtomicU64) -> u64 {
     let before = version.load(Ordering::Relaxed);
     version.store(before + 1, Ordering::Relaxed);
@@ -127,7 +128,7 @@ fn begin(version: &AtomicU64) -> u64 {
     before
 }
 
-/// All cells of one write; none before the first.
+/// Reads all words of one write; `None` before the first write, or if every attempt met a concurrent write.
 fn read(version: &AtomicU64, cells: &[AtomicU64]) -> Option<Vec<u64>> {
     for _ in 0..TRIES {
         let before = version.load(Ordering::Acquire);

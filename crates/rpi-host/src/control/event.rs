@@ -1,63 +1,63 @@
-//! What the host hears from the cycle.
+//! Events from the cycle to the host.
 
 use std::fmt;
 
 use super::admission::TooMuch;
 use rpi_core::{CommandId, LoadFault, Notice, Refused};
 
-/// A request under way.
+/// Number of a request. The [`Event::Answer`] to the request carries the same number.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub struct Ticket(pub u64);
 
-/// Something that has happened, in order.
+/// An event of the control core. Events are delivered in order.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum Event {
     /// A request was carried out or refused.
     Answer {
-        /// Which.
+        /// Ticket of the request.
         ticket: Ticket,
-        /// The first tick that it counts for.
+        /// First tick affected by the request.
         tick: u64,
-        /// Why it was refused, if it was; nothing has changed then.
+        /// Reason of the refusal, if any. A refused request has no effect.
         refused: Option<Refused>,
     },
-    /// Something happened to a command or a rule.
+    /// A command or rule has changed its state.
     Notice(Notice),
-    /// A command has been freed; its name means nothing any more.
+    /// A command was freed. Its identifier is no longer valid.
     Freed(CommandId),
     /// The state of a device has changed.
     Device {
-        /// Its place in the cell.
+        /// Index of the device in the cell.
         device: usize,
-        /// What is wrong with it, 0 if it is well.
+        /// Error code of the device; 0 for none.
         code: i64,
-        /// Whether it moves.
+        /// Whether the device moves.
         moving: bool,
-        /// The tick after which it is so.
+        /// Tick after which the device has this state.
         tick: u64,
     },
 }
 
-/// Why a request did not even leave for the cycle.
+/// A request that the host rejected before sending it to the cycle.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum Rejected {
-    /// There is no such command, or it is being unloaded.
+    /// The command does not exist, or it is being unloaded.
     Unknown,
-    /// All places for commands are taken.
+    /// The command table is full.
     Full,
-    /// More requests or rules are under way than the queue holds; some must be answered first.
+    /// Too many requests or rules are pending. The caller must wait for answers.
     Busy,
-    /// Whoever wants it has no memory left for it.
+    /// The memory quota of the requester is exhausted.
     Memory,
-    /// It takes more of a tick than commands may.
+    /// The command exceeds the time budget of a tick.
     TooMuch(TooMuch),
-    /// It cannot run in this cell: every reason.
+    /// The command cannot run in this cell; all load errors.
     Loading(Vec<LoadFault>),
-    /// A value does not fit its input.
+    /// The value has the wrong size for its input.
     Value {
-        /// The command.
+        /// Command with the input.
         command: CommandId,
-        /// The input's index.
+        /// Index of the input.
         input: usize,
     },
 }
@@ -65,16 +65,18 @@ pub enum Rejected {
 impl fmt::Display for Rejected {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Rejected::Unknown => f.write_str("there is no such command"),
-            Rejected::Full => f.write_str("all places for commands are taken"),
-            Rejected::Busy => f.write_str("too many requests are under way"),
-            Rejected::Memory => f.write_str("there is no memory left for it"),
+            Rejected::Unknown => f.write_str("unknown command"),
+            Rejected::Full => f.write_str("the command table is full"),
+            Rejected::Busy => f.write_str("too many pending requests"),
+            Rejected::Memory => f.write_str("the memory quota is exhausted"),
             Rejected::TooMuch(why) => why.fmt(f),
             Rejected::Loading(faults) => {
-                f.write_str("it cannot run in this cell:")?;
+                f.write_str("the command cannot run in this cell:")?;
                 faults.iter().try_for_each(|fault| write!(f, "\n  {fault}"))
             }
-            Rejected::Value { input, .. } => write!(f, "the value does not fit input {input}"),
+            Rejected::Value { input, .. } => {
+                write!(f, "the value has the wrong size for input {input}")
+            }
         }
     }
 }

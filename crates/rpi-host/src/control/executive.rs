@@ -1,4 +1,4 @@
-//! The cycle's side: takes requests, ticks the core, steps the devices, tells what happened.
+//! Cycle side of the control core: takes requests, ticks the core, steps the devices and sends events.
 
 use std::sync::Arc;
 
@@ -11,29 +11,29 @@ use super::queue::{CycleEnds, Dead, Options, Request};
 use super::subscription::Subscription;
 use crate::realtime::Stopwatch;
 
-/// A control core with its devices, to be ticked by one thread.
+/// A control core with its devices. One thread ticks it.
 pub struct Executive<P: Plant> {
     core: Core,
     plant: P,
     ends: CycleEnds<P::Part>,
-    /// By place of the command.
+    /// Subscriptions, indexed by command slot.
     subscriptions: Box<[Option<Box<Subscription>>]>,
-    /// By place of the command, too.
+    /// Boards, indexed by command slot.
     boards: Boards,
-    /// What was last told of each device.
+    /// Last reported error code and motion state of each device.
     told: Vec<(i64, bool)>,
     per_tick: usize,
     stopwatch: Stopwatch,
 }
 
-/// Whose board is at a place, and the board.
+/// For each command slot, the owner of its board and the board.
 type Boards = Box<[Option<(CommandId, Arc<Board>)>]>;
 
-/// What requests may take of a tick, in units of about ten nanoseconds: one of any size, and further ones while there is
-/// something left.
+/// Effort per tick after which no further request is taken, in units of about ten nanoseconds. At least one request of
+/// any size is taken per tick.
 const EFFORT: usize = 8192;
 
-/// Devices whose state is watched.
+/// Maximum number of devices whose state changes are reported.
 const DEVICES: usize = 256;
 
 impl<P: Plant> Executive<P> {
@@ -50,20 +50,23 @@ impl<P: Plant> Executive<P> {
         }
     }
 
-    /// Number of the next tick.
+    /// Returns the number of the next tick.
     #[must_use]
     pub fn now(&self) -> u64 {
         self.core.now()
     }
 
-    /// One tick: requests, cycles, devices, events. `wall_ns` is the machine's clock, nanoseconds since the Unix epoch;
-    /// `watch` looks at every command at the end of its cycle.
+    /// Executes one tick: requests, cycles, devices, events.
+    ///
+    /// `wall_ns` is the wall clock in nanoseconds since the Unix epoch. `watch` observes every command at the end of
+    /// its cycle.
     pub fn tick(&mut self, wall_ns: i64, watch: &mut dyn Watch) {
         self.take_requests();
         self.tick_alone(wall_ns, watch);
     }
 
-    /// One tick in which no request is taken: after everything was stopped nothing starts that was on its way.
+    /// Executes one tick without taking requests. Used after all commands were stopped, so that pending requests start
+    /// nothing.
     pub fn tick_alone(&mut self, wall_ns: i64, watch: &mut dyn Watch) {
         self.stopwatch.reset();
         let mut watch = Watching {
@@ -79,20 +82,21 @@ impl<P: Plant> Executive<P> {
         self.tell();
     }
 
-    /// The devices, between ticks.
+    /// Returns the devices, for access between ticks.
     pub fn plant(&mut self) -> &mut P {
         &mut self.plant
     }
 
-    /// The core, to look at between ticks.
+    /// Returns the core, for inspection between ticks.
     #[must_use]
     pub fn core(&self) -> &Core {
         &self.core
     }
 
-    /// The tick ended so many nanoseconds after the next one was due, and was so many longer than a period: that is put down to the
-    /// command that took the longest, unless it would have been too long without it; it ends if its policy says so. True if
-    /// all are to be ended.
+    /// Handles a tick that ended `late_ns` after the next one was due and took `excess_ns` longer than a period.
+    ///
+    /// The overrun is attributed to the slowest command, unless the tick would have been too long without it. The
+    /// overrun policy of that command may end it. Returns true if all commands must be ended.
     pub fn too_late(&mut self, (late_ns, excess_ns): (u64, u64)) -> bool {
         let Some((id, took_ns)) = self.blamed(excess_ns) else {
             return false;
@@ -110,7 +114,8 @@ impl<P: Plant> Executive<P> {
         self.overran(&late)
     }
 
-    /// Puts a tick that ended too late down to a command, as it was measured here or is on a tape.
+    /// Attributes an overrun to a command. The overrun was measured by [`Executive::too_late`] or is replayed from a
+    /// tape.
     pub(crate) fn overran(&mut self, late: &Late) -> bool {
         let (id, times) = (late.command, (late.took_ns, late.late_ns));
         let stop = self.core.overran(id, times, &mut self.plant);
@@ -124,8 +129,10 @@ impl<P: Plant> Executive<P> {
         stop
     }
 
-    /// Without whom the latest tick would not have been so many nanoseconds longer than a period, and how many it took, if that was
-    /// measured.
+    /// Returns the command to which an overrun is attributed, with its time in nanoseconds.
+    ///
+    /// The command is the slowest of the latest tick. The result is `None` if nothing was measured, or if the tick
+    /// would have exceeded its period even without that command.
     #[must_use]
     pub fn blamed(&self, excess_ns: u64) -> Option<(CommandId, u64)> {
         let longest = self.stopwatch.longest();
@@ -150,7 +157,7 @@ impl<P: Plant> Executive<P> {
             effort += request.effort(self.core.weight_of_rules());
             let tick = self.core.now();
             let refused = self.carry_out(request).err();
-            // There is room, as was just seen.
+            // `have_room` was checked above.
             let _ = self.ends.events.push(Event::Answer {
                 ticket,
                 tick,
@@ -232,7 +239,7 @@ impl<P: Plant> Executive<P> {
         self.ends.bury(Dead::Command(id, command));
     }
 
-    /// Sets all or nothing.
+    /// Sets all inputs, or none if a command is unknown.
     fn set(&mut self, settings: Box<[super::Setting]>) -> Result<(), Refused> {
         let known = settings
             .iter()
@@ -291,7 +298,8 @@ impl<P: Plant> Executive<P> {
         });
     }
 
-    /// What finds no room stays in the core's log until the host has made some.
+    /// Sends notices to the host. Notices that do not fit into the queue stay in the log of the core and are sent
+    /// later.
     fn tell_notices(&mut self) {
         while !self.ends.events.is_full() {
             let Some(notice) = self.core.next_notice() else {
@@ -302,7 +310,7 @@ impl<P: Plant> Executive<P> {
     }
 }
 
-/// Looks at commands for those who have subscribed, and lets others look.
+/// Updates subscriptions and boards at the end of each cycle and forwards the notification to another observer.
 struct Watching<'a> {
     tick: u64,
     subscriptions: &'a mut [Option<Box<Subscription>>],

@@ -1,4 +1,4 @@
-//! Requests as they leave for the cycle, for whoever writes them down.
+//! Requests in the form in which they are recorded.
 
 use std::sync::Arc;
 
@@ -8,32 +8,32 @@ use rpi_image::Image;
 use super::event::Ticket;
 use super::queue::{Request, Setting};
 
-/// A request, with all that is needed to make it again.
+/// A request with all data needed to repeat it.
 #[derive(Clone, Debug)]
 pub enum Asked {
-    /// A command was loaded from this image, with these policies for jumps and for cycles that take too long.
+    /// Loads a command from an image, with its policies for discontinuities and overruns.
     Load(CommandId, Arc<Image>, Continuity, OnOverrun),
-    /// To start.
+    /// Starts a command.
     Start(CommandId),
-    /// To take off the schedule.
+    /// Takes a command off the schedule.
     Unschedule(CommandId),
-    /// To ask to end.
+    /// Requests a command to end.
     Cancel(CommandId),
-    /// To end by force.
+    /// Ends a command immediately.
     Abort(CommandId, Why),
-    /// To give back.
+    /// Unloads a command.
     Unload(CommandId),
-    /// To make a rule.
+    /// Adds a rule.
     Schedule(RuleId, Rule),
-    /// To drop a rule.
+    /// Removes a rule.
     Withdraw(RuleId),
-    /// To set inputs.
+    /// Sets inputs.
     Set(Vec<Setting>),
-    /// To see exported flows (by index) in every so many cycles.
+    /// Subscribes to exported flows (by index), with a period in cycles.
     Subscribe(CommandId, Vec<u32>, u64),
-    /// To put a device into a place; which one is not kept.
+    /// Inserts or removes the device at this index. The device itself is not recorded.
     Device(usize),
-    /// To stop everything.
+    /// Stops all commands.
     EmergencyStop,
 }
 
@@ -59,5 +59,6 @@ impl Asked {
     }
 }
 
-/// Is told each request before it leaves: so it knows of a command before anything of it can come back.
+/// Callback for each request before it is sent. The callback therefore knows a command before any event about it
+/// arrives.
 pub type Journal = Box<dyn FnMut(Ticket, Asked) + Send>;

@@ -1,33 +1,34 @@
-//! A control core in operation: what programs outside of the cycle do with it while commands run.
+//! Control core in operation: the interface by which host programs control running commands.
 //!
 //! ```text
 //! Control (host side, one owner)          Executive (cycle's side)
 //!   load, start, schedule, cancel,  --->    takes requests, ticks the core, steps the devices
-//!   abort, unload, set, subscribe   <---    events, samples, and what is over, to be freed
+//!   abort, unload, set, subscribe   <---    events, samples, and objects to be freed by the host
 //! ```
-//! [`open`] makes the two. They share nothing but bounded queues at which nobody waits: the executive takes a bounded number of
-//! requests per tick and never allocates or frees; [`Control`] allocates, loads and frees.
+//! [`open`] creates both sides. They communicate only through bounded queues on which neither side blocks: the
+//! executive takes a bounded number of requests per tick and never allocates or frees; [`Control`] allocates, loads and
+//! frees.
 //!
 //! # The interface
 //!
-//! | wanted | call | answer |
+//! | task | call | answer |
 //! |---|---|---|
-//! | load an image | [`Control::load`], or [`Control::adopt`] for a command loaded elsewhere | its [`CommandId`], or every reason why not |
-//! | start, cancel, abort, take off the schedule | [`Control::start`], [`cancel`](Control::cancel), [`abort`](Control::abort), [`unschedule`](Control::unschedule) | a [`Ticket`] |
-//! | let it follow another, or any rule | [`Control::schedule`] with a [`Rule`] | a [`RuleId`] and a [`Ticket`] |
-//! | give it back | [`Control::unload`] | a [`Ticket`], then [`Event::Freed`] |
+//! | load an image | [`Control::load`], or [`Control::adopt`] for a command loaded elsewhere | its [`CommandId`], or all load errors |
+//! | start, cancel, abort, unschedule | [`Control::start`], [`cancel`](Control::cancel), [`abort`](Control::abort), [`unschedule`](Control::unschedule) | a [`Ticket`] |
+//! | schedule a command after another one, or by any rule | [`Control::schedule`] with a [`Rule`] | a [`RuleId`] and a [`Ticket`] |
+//! | unload a command | [`Control::unload`] | a [`Ticket`], then [`Event::Freed`] |
 //! | set inputs of any commands between the same two cycles | [`Control::set`] | a [`Ticket`] |
-//! | see exported flows | [`Control::subscribe`], then [`Control::samples`] | samples where a value has changed |
-//! | read what a command exports, now and then | [`Control::adopt_with_board`] | a [`Board`] |
-//! | give or take a device | [`Control::put_device`] | a [`Ticket`] |
+//! | observe exported flows | [`Control::subscribe`], then [`Control::samples`] | a sample for each change of a value |
+//! | poll the exports of a command | [`Control::adopt_with_board`] | a [`Board`] |
+//! | insert or remove a device | [`Control::put_device`] | a [`Ticket`] |
 //! | stop everything | [`Control::emergency_stop`] | a [`Ticket`] |
-//! | know what happens | [`Control::poll`] | [`Event`]s in order |
-//! | look at a command | [`Control::get`] | [`Info`]: image, state, ending |
+//! | receive events | [`Control::poll`] | [`Event`]s in order |
+//! | inspect a command | [`Control::get`] | [`Info`]: image, state, ending |
 //!
-//! Every ticket is answered by one [`Event::Answer`]; requests are carried out in the order in which they were made, so a
-//! command can be loaded, named in a rule and started without waiting in between. [`Info::state`] follows the events: it is
-//! what was last heard from the cycle. A command that is over keeps its place until it is unloaded; one that nothing can start
-//! any more and that was not to be kept unloads itself, as [`Event::Freed`] tells.
+//! Every ticket is answered by one [`Event::Answer`]. Requests are carried out in the order in which they were made, so
+//! a command can be loaded, named in a rule and started without waiting in between. [`Info::state`] is updated by the
+//! events that the host has polled. A command that has ended stays loaded until it is unloaded. A command that nothing
+//! can start any more, and that was not to be kept, unloads itself and is reported by [`Event::Freed`].
 //!
 //! ```
 //! use rpi_core::Rule;
@@ -44,14 +45,14 @@
 //! control.schedule(Rule::follow(a).start(b))?;
 //! control.start(a)?;
 //! for tick in 0..1000 {
-//!     executive.tick(tick * 1_000_000, &mut ());  // on a thread of its own where time is real
+//!     executive.tick(tick * 1_000_000, &mut ());  // on a thread of its own in real time
 //!     while let Some(event) = control.poll() {
 //!         println!("{event:?}");
 //!     }
 //! }
 //! # Ok(()) }
 //! ```
-//! This module must not know where images come from or who asks: no file, no socket, no session.
+//! This module must not depend on the source of images or requests: no files, no sockets, no sessions.
 
 mod admission;
 mod board;
@@ -79,8 +80,10 @@ pub use subscription::Subscription;
 
 use rpi_device::DeviceBank;
 
-/// Opens a control core over these devices. `names` resolves the names of ports as `plant` does, and is never moved: the
-/// devices themselves are with the cycle.
+/// Opens a control core that moves the devices of `plant`.
+///
+/// `names` must resolve port names in the same way as `plant`. It is only used for name resolution; its devices never
+/// move.
 #[must_use]
 pub fn open<P: Plant>(
     plant: P,
@@ -94,7 +97,7 @@ pub fn open<P: Plant>(
     )
 }
 
-/// Opens a control core for who makes requests as they were made before: nobody chooses names or keeps books.
+/// Opens a control core for replays: the caller chooses the command numbers, and there is no admission control.
 pub(crate) fn open_plainly<P: Plant>(
     plant: P,
     options: Options,

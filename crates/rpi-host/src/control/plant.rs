@@ -1,37 +1,38 @@
-//! The devices that an executive moves.
+//! Interface to the devices of an executive.
 
 use rpi_core::CommandId;
 use rpi_device::DeviceBank;
 use rpi_sim::{Part, SimBank};
 
-/// A bank of devices with a time of its own.
+/// A device bank that advances in ticks.
 pub trait Plant: DeviceBank + Send {
-    /// A device to be put into a place.
+    /// A device that can be inserted at run time.
     type Part: Send;
 
-    /// Puts a device into a place, or none, and gives what was there.
+    /// Replaces the device at an index, or removes it if `part` is `None`. Returns the previous device.
     fn swap(&mut self, place: usize, part: Option<Self::Part>) -> Option<Self::Part>;
 
-    /// Lets a tick pass, after the set-points of the tick were handed over.
+    /// Advances the devices by one tick. Called after the set-points of the tick were written.
     fn step(&mut self);
 
-    /// Tells place, error code (0 for none) and motion of each device. Called in every tick: bounded, no allocation.
+    /// Calls `each` with index, error code (0 for none) and motion state of every device. Called in every tick, so it
+    /// must have bounded time and must not allocate.
     fn conditions(&self, each: &mut dyn FnMut(usize, i64, bool));
 
-    /// A tick ended too late: for who writes down what has happened.
+    /// Notifies the plant that a tick ended too late. Used by recordings.
     fn too_late(&mut self, _: &Late) {}
 }
 
-/// A tick that ended too late.
+/// A tick that ended too late, attributed to a command.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Late {
-    /// Who took the longest in it.
+    /// Command that took the longest in the tick.
     pub command: CommandId,
-    /// For so many nanoseconds.
+    /// Computing time of the command in nanoseconds.
     pub took_ns: u64,
-    /// By so many nanoseconds.
+    /// Time in nanoseconds by which the tick ended too late.
     pub late_ns: u64,
-    /// Where in the command, as an index into its image's fragments.
+    /// Fragment with the most work, as an index into the fragments of the command's image.
     pub fragment: u32,
 }
 

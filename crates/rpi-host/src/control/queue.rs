@@ -1,4 +1,4 @@
-//! The queues between host and cycle: bounded, and nobody ever waits at them.
+//! Bounded queues between host and cycle. No operation blocks.
 
 use std::sync::Arc;
 
@@ -10,24 +10,24 @@ use super::board::Board;
 use super::event::{Event, Ticket};
 use super::subscription::Subscription;
 
-/// How large a control core is.
+/// Capacities and policies of a control core.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Options {
-    /// Length of a tick, nanoseconds.
+    /// Tick length in nanoseconds.
     pub tick_ns: u64,
-    /// Commands that can be there at once.
+    /// Maximum number of loaded commands.
     pub commands: usize,
-    /// Requests that can be under way at once.
+    /// Maximum number of pending requests.
     pub requests: usize,
-    /// Requests that are carried out in one tick at most, so that no flood of them makes a tick long.
+    /// Maximum number of requests carried out in one tick. The limit keeps a burst of requests from prolonging a tick.
     pub requests_per_tick: usize,
-    /// What happens if a command takes over with a jump.
+    /// Policy for a takeover with a discontinuity.
     pub continuity: Continuity,
-    /// What becomes of a command whose cycles take too long.
+    /// Policy for a command that causes overruns.
     pub on_overrun: OnOverrun,
-    /// Whether it is measured who takes the longest in a tick: where time is real.
+    /// Whether the time of each command is measured. Needed in real time.
     pub timed: bool,
-    /// What all commands of a tick may take together, where somebody sees to that.
+    /// Time budget of all commands in a tick; `None` disables admission control.
     pub budget: Option<Budget>,
 }
 
@@ -47,7 +47,7 @@ impl Default for Options {
 }
 
 impl Options {
-    /// Rules that can be there at once.
+    /// Returns the maximum number of rules.
     pub(super) fn rules(&self) -> usize {
         self.commands * 4
     }
@@ -56,15 +56,15 @@ impl Options {
 /// A value for an input of a command.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Setting {
-    /// The command.
+    /// Command with the input.
     pub command: CommandId,
-    /// The input's index in its image.
+    /// Index of the input in the image.
     pub input: usize,
-    /// The value's cells.
+    /// Memory words of the value.
     pub value: Box<[u64]>,
 }
 
-/// What the host asks of the cycle.
+/// A request from the host to the cycle.
 pub(crate) enum Request<T> {
     Insert(CommandId, Box<Command>, Option<Arc<Board>>),
     Start(CommandId),
@@ -80,14 +80,14 @@ pub(crate) enum Request<T> {
     EmergencyStop,
 }
 
-/// What the least of requests takes.
+/// Minimum effort of a request.
 const LEAST: usize = 256;
-/// What each word of each rule adds to it.
+/// Additional effort for each word of each rule.
 const PER_WORD: usize = 8;
 
 impl<T> Request<T> {
-    /// About how much it takes to carry it out, where there is so much to look at in all rules: after most of them the core finds
-    /// out anew which rules may still fire.
+    /// Returns the estimated effort to carry out the request. `rules` is the total weight of all rules: after most
+    /// requests the core re-evaluates which rules can still fire.
     pub(super) fn effort(&self, rules: usize) -> usize {
         LEAST
             + match self {
@@ -97,7 +97,7 @@ impl<T> Request<T> {
     }
 }
 
-/// What is over and must be freed by the host.
+/// An object that the cycle no longer uses and the host must free.
 pub(crate) enum Dead<T> {
     Command(CommandId, Box<Command>),
     Rule(Box<Rule>),
@@ -107,17 +107,17 @@ pub(crate) enum Dead<T> {
     Device(T),
 }
 
-/// The cycle's ends.
+/// Cycle side of the queues.
 pub(super) struct CycleEnds<T> {
     pub(super) requests: Consumer<(Ticket, Request<T>)>,
     pub(super) events: Producer<Event>,
     pub(super) samples: Producer<u64>,
     dead: Producer<Dead<T>>,
-    /// What goes there once all that happened before has been told.
+    /// Objects that are sent once all earlier events have been sent.
     staged: Vec<Dead<T>>,
 }
 
-/// The host's ends.
+/// Host side of the queues.
 pub(crate) struct HostEnds<T> {
     pub(crate) requests: Producer<(Ticket, Request<T>)>,
     pub(crate) events: Consumer<Event>,
@@ -125,17 +125,17 @@ pub(crate) struct HostEnds<T> {
     pub(crate) dead: Consumer<Dead<T>>,
 }
 
-/// What a request can leave over at once: a command with what was to look at it.
+/// Maximum number of objects that one request releases: a command, its subscription and its board.
 const LEFT_OVER: usize = 3;
-/// Words of samples between two visits of the host.
+/// Capacity of the sample queue in words.
 const SAMPLES: usize = 1 << 18;
 
 pub(super) fn queues<T>(options: Options) -> (CycleEnds<T>, HostEnds<T>) {
     let (request_in, requests) = RingBuffer::new(options.requests);
     let (events, event_out) = RingBuffer::new(options.commands * 16 + options.requests);
     let (samples, sample_out) = RingBuffer::new(SAMPLES);
-    // Room for commands, subscriptions, boards and rules, all ended by one tick, and for what one request leaves over: no
-    // request is taken while anything still waits to be sent.
+    // Room for all commands, subscriptions, boards and rules released by one tick, and for the objects that one request
+    // releases: no request is taken while objects wait to be sent.
     let most = options.commands * 3 + options.rules() + LEFT_OVER;
     let (dead, dead_out) = RingBuffer::new(most);
     let cycle = CycleEnds {
@@ -155,18 +155,18 @@ pub(super) fn queues<T>(options: Options) -> (CycleEnds<T>, HostEnds<T>) {
 }
 
 impl<T> CycleEnds<T> {
-    /// Whether there is room for the answer to a request and what it leaves over.
+    /// Returns true if there is room for the answer to a request and for the objects that it releases.
     pub(super) fn have_room(&self) -> bool {
         self.staged.is_empty() && !self.events.is_full()
     }
 
-    /// Gives something away, to be freed by the host.
+    /// Releases an object to the host, which frees it.
     pub(super) fn bury(&mut self, dead: Dead<T>) {
-        // There is room for all that can be with the cycle.
+        // The capacity covers all objects that the cycle can own.
         self.staged.push(dead);
     }
 
-    /// Sends what was given away, after the events that tell why.
+    /// Sends the released objects. Must be called after the events that explain them were sent.
     pub(super) fn send_dead(&mut self) {
         while !self.dead.is_full() {
             let Some(dead) = self.staged.pop() else {

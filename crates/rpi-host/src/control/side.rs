@@ -1,4 +1,4 @@
-//! The host's side: loads, asks, listens, frees.
+//! Host side of the control core: loads commands, sends requests, receives events, frees memory.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -18,40 +18,40 @@ use super::journal::{Asked, Journal};
 use super::queue::{Dead, HostEnds, Options, Request, Setting};
 use super::subscription::{self, Subscription};
 
-/// What is known of a command.
+/// Host-side information about a command.
 #[derive(Clone, Debug)]
 pub struct Info {
-    /// What it runs.
+    /// Image that the command runs.
     pub image: Arc<Image>,
-    /// Its state as last heard.
+    /// State according to the latest event.
     pub state: State,
-    /// How it has ended, if it has.
+    /// How the command ended, if it has ended.
     pub ending: Option<Ending>,
-    /// Tick of its first cycle, if it was started.
+    /// Tick of the first cycle, if the command was started.
     pub first_tick: Option<u64>,
 }
 
-/// A command that was taken in with a board.
+/// A loaded command with a board.
 #[derive(Debug)]
 pub struct Adopted {
-    /// Its name.
+    /// Identifier of the command.
     pub id: CommandId,
-    /// Answered once it is ready.
+    /// Ticket of the insertion. Its answer means that the command is ready.
     pub ticket: Ticket,
-    /// What it exports.
+    /// Board with the exports of the command.
     pub board: Arc<Board>,
 }
 
-/// The host's side of a control core. One thread owns it; nothing that it does makes the cycle wait.
+/// Host side of a control core, owned by one thread. No method makes the cycle wait.
 pub struct Control<T = rpi_sim::Part> {
     ends: HostEnds<T>,
     names: Box<dyn DeviceBank + Send>,
     places: Places,
     commands: BTreeMap<CommandId, Info>,
-    /// Freed by the host, to be told once all that happened before has been.
+    /// Freed commands that are reported once all earlier events have been reported.
     freed: Vec<CommandId>,
     tickets: u64,
-    /// Rules that are with the cycle.
+    /// Number of rules in the cycle.
     rules: usize,
     most_rules: usize,
     continuity: Continuity,
@@ -86,15 +86,17 @@ impl<T> Control<T> {
         }
     }
 
-    /// Tells this every request from now on.
+    /// Registers a callback that receives every request from now on.
     pub fn write_down(&mut self, journal: Journal) {
         self.journal = Some(journal);
     }
 
-    /// Loads an image and sends it to the cycle; it is ready from the answer to its insertion on, and can be named at once.
+    /// Loads an image and sends the command to the cycle. The returned identifier can be used in requests immediately;
+    /// the command is ready once its insertion is answered.
     ///
     /// # Errors
-    /// If it cannot run in this cell, with every reason, or there is no room.
+    /// Returns an error with all load errors if the command cannot run in this cell, or if the command table or the
+    /// queue is full.
     pub fn load(&mut self, image: Arc<Image>) -> Result<CommandId, Rejected> {
         let mut command = Command::load(image, &mut *self.names).map_err(Rejected::Loading)?;
         command.guard(self.continuity);
@@ -102,18 +104,18 @@ impl<T> Control<T> {
         self.adopt(Box::new(command))
     }
 
-    /// Takes a command that was loaded elsewhere, on another thread for example, against equal devices.
+    /// Takes a command that was loaded elsewhere, for example on another thread, against identical devices.
     ///
     /// # Errors
-    /// If there is no room.
+    /// Returns an error if the command table or the queue is full, or if the command exceeds the time budget.
     pub fn adopt(&mut self, command: Box<Command>) -> Result<CommandId, Rejected> {
         self.take_in(command, None).map(|(id, _)| id)
     }
 
-    /// As [`Control::adopt`], with a board on which the command puts what it exports in every cycle.
+    /// Like [`Control::adopt`], with a board to which the command's exports are written in every cycle.
     ///
     /// # Errors
-    /// If there is no room.
+    /// Returns an error if the command table or the queue is full, or if the command exceeds the time budget.
     pub fn adopt_with_board(&mut self, command: Box<Command>) -> Result<Adopted, Rejected> {
         let board = Arc::new(Board::new(&command.machine().image().exports));
         let (id, ticket) = self.take_in(command, Some(Arc::clone(&board)))?;
@@ -140,11 +142,11 @@ impl<T> Control<T> {
         Ok((id, ticket))
     }
 
-    /// Starts a command: its first cycle is in the tick that takes the request.
+    /// Starts a command. Its first cycle is in the tick that takes the request.
     ///
     /// # Errors
-    /// If it is not known, too much is under way, or it takes more of a tick than what runs leaves; what the cycle has against
-    /// it comes as the answer.
+    /// Returns an error if the command is unknown, the queue is full, or the time budget left by the other commands is
+    /// exceeded. Other reasons for a refusal are reported in the answer.
     pub fn start(&mut self, id: CommandId) -> Result<Ticket, Rejected> {
         let way = self.admission.admit_start(id)?;
         let ticket = self.ask_about(id, Request::Start(id))?;
@@ -152,43 +154,43 @@ impl<T> Control<T> {
         Ok(ticket)
     }
 
-    /// Asks a command to end; it sees `cancel`.
+    /// Requests a command to end: its input `cancel` becomes true.
     ///
     /// # Errors
-    /// As [`Control::start`].
+    /// As for [`Control::start`].
     pub fn cancel(&mut self, id: CommandId) -> Result<Ticket, Rejected> {
         self.ask_about(id, Request::Cancel(id))
     }
 
-    /// Ends a command by force; its devices stop on their own limits.
+    /// Ends a command immediately. Its devices brake within their own limits.
     ///
     /// # Errors
-    /// As [`Control::start`].
+    /// As for [`Control::start`].
     pub fn abort(&mut self, id: CommandId, why: Why) -> Result<Ticket, Rejected> {
         self.ask_about(id, Request::Abort(id, why))
     }
 
-    /// Takes a command off the schedule; it is ready again.
+    /// Takes a command off the schedule. The command is then ready again.
     ///
     /// # Errors
-    /// As [`Control::start`].
+    /// As for [`Control::start`].
     pub fn unschedule(&mut self, id: CommandId) -> Result<Ticket, Rejected> {
         self.ask_about(id, Request::Unschedule(id))
     }
 
-    /// Gives a command back that does not run.
+    /// Unloads a command that does not run.
     ///
     /// # Errors
-    /// As [`Control::start`].
+    /// As for [`Control::start`].
     pub fn unload(&mut self, id: CommandId) -> Result<Ticket, Rejected> {
         self.ask_about(id, Request::Unload(id))
     }
 
-    /// Makes a rule; see [`Rule`] and [`Control::fact`].
+    /// Adds a rule; see [`Rule`] and [`Control::fact`].
     ///
     /// # Errors
-    /// If too many rules or requests are under way, or what it starts takes more of a tick than what may run with it leaves; what the
-    /// cycle has against it comes as the answer.
+    /// Returns an error if there are too many rules or pending requests, or if the started commands exceed the time
+    /// budget left by the commands that may run with them. Other reasons for a refusal are reported in the answer.
     pub fn schedule(&mut self, rule: Rule) -> Result<(RuleId, Ticket), Rejected> {
         if self.rules >= self.most_rules {
             return Err(Rejected::Busy);
@@ -201,18 +203,18 @@ impl<T> Control<T> {
         Ok((id, ticket))
     }
 
-    /// Drops a rule.
+    /// Removes a rule.
     ///
     /// # Errors
-    /// If too many requests are under way.
+    /// Returns an error if there are too many pending requests.
     pub fn withdraw(&mut self, rule: RuleId) -> Result<Ticket, Rejected> {
         self.ask(Request::Withdraw(rule))
     }
 
-    /// Sets inputs of any commands, all between the same two cycles.
+    /// Sets inputs of any commands between the same two cycles.
     ///
     /// # Errors
-    /// If a command is not known or a value does not fit; nothing is set then.
+    /// Returns an error if a command is unknown or a value has the wrong size. Nothing is set then.
     pub fn set(&mut self, settings: Vec<Setting>) -> Result<Ticket, Rejected> {
         for setting in &settings {
             let info = self.get(setting.command).ok_or(Rejected::Unknown)?;
@@ -225,10 +227,12 @@ impl<T> Control<T> {
         self.ask(Request::Set(settings.into()))
     }
 
-    /// Wants to see exported flows of a command (by index) in every so many cycles; in place of what it wanted before.
+    /// Subscribes to exported flows of a command (by index). `every` is the sampling period in cycles. The subscription
+    /// replaces an earlier one of the same command.
     ///
     /// # Errors
-    /// If the command is not known or too much is under way. Indices without an export are passed over.
+    /// Returns an error if the command is unknown or there are too many pending requests. Indices without an export are
+    /// ignored.
     pub fn subscribe(
         &mut self,
         id: CommandId,
@@ -243,29 +247,31 @@ impl<T> Control<T> {
         ))))
     }
 
-    /// Puts a device into a place, or none. Commands whose ports were resolved against what was there must be gone.
+    /// Inserts a device at an index, or removes it if `part` is `None`.
+    ///
+    /// Commands whose ports were resolved against the previous device must have been unloaded.
     ///
     /// # Errors
-    /// If too many requests are under way.
+    /// Returns an error if there are too many pending requests.
     pub fn put_device(&mut self, place: usize, part: Option<T>) -> Result<Ticket, Rejected> {
         self.ask(Request::Device(place, part))
     }
 
-    /// Ends all commands, drops all rules, brakes all devices.
+    /// Ends all commands, drops all rules and brakes all devices.
     ///
     /// # Errors
-    /// If too many requests are under way.
+    /// Returns an error if there are too many pending requests.
     pub fn emergency_stop(&mut self) -> Result<Ticket, Rejected> {
         self.ask(Request::EmergencyStop)
     }
 
-    /// The next thing that has happened. Frees what is over.
+    /// Returns the next event, and frees objects released by the cycle.
     pub fn poll(&mut self) -> Option<Event> {
         if let Some(event) = self.next_event() {
             return Some(event);
         }
         self.free();
-        // What has led to their end was told before they were sent.
+        // The events that led to the release of the objects were sent before the objects, so they are reported first.
         if let Some(event) = self.next_event() {
             return Some(event);
         }
@@ -283,7 +289,8 @@ impl<T> Control<T> {
         Some(event)
     }
 
-    /// Hands on the samples that have arrived: command, export, tick, value; no value where the flow is absent.
+    /// Passes all samples received so far to `take`: command, export index, tick, value. The value is `None` if the
+    /// flow is absent.
     pub fn samples(&mut self, mut take: impl FnMut(CommandId, u32, u64, Option<&[u64]>)) {
         let commands = &self.commands;
         subscription::drain(
@@ -297,24 +304,25 @@ impl<T> Control<T> {
         );
     }
 
-    /// Samples that were lost because nobody took them in time, of subscriptions that are over.
+    /// Returns the number of samples that were lost because they were not taken in time. Only subscriptions that have
+    /// ended are counted.
     #[must_use]
     pub fn samples_lost(&self) -> u64 {
         self.samples_lost
     }
 
-    /// A command as it was last heard of.
+    /// Returns the information about a command; `None` if it is unknown.
     #[must_use]
     pub fn get(&self, id: CommandId) -> Option<&Info> {
         self.commands.get(&id)
     }
 
-    /// All commands, in the order of their places.
+    /// Iterates over all commands in the order of their identifiers.
     pub fn commands(&self) -> impl Iterator<Item = (CommandId, &Info)> + '_ {
         self.commands.iter().map(|(id, info)| (*id, info))
     }
 
-    /// The fact by which conditions speak of a command's exported Boolean or named result.
+    /// Returns the fact by which a condition refers to an exported Boolean or a named result of a command.
     #[must_use]
     pub fn fact(&self, id: CommandId, key: &str) -> Option<Fact> {
         let image = &self.get(id)?.image;
@@ -329,7 +337,7 @@ impl<T> Control<T> {
         export.or_else(|| Some(Fact::Result(u32::try_from(result?).ok()?)))
     }
 
-    /// What a command may take of a tick at most, nanoseconds; 0 where nobody sees to that.
+    /// Returns the worst-case time of a command in a tick in nanoseconds; 0 if admission control is disabled.
     #[must_use]
     pub fn bound_ns(&self, id: CommandId) -> u64 {
         self.admission.bound_ns(id)
@@ -349,12 +357,12 @@ impl<T> Control<T> {
         if let Some(journal) = &mut self.journal {
             journal(ticket, Asked::of(&request));
         }
-        // There is room, as was just seen; nobody else asks.
+        // `has_room` was checked above, and this is the only producer.
         let _ = self.ends.requests.push((ticket, request));
         Ok(ticket)
     }
 
-    /// How many more requests can be under way now.
+    /// Returns the number of requests that can still be sent.
     #[must_use]
     pub fn room(&self) -> usize {
         self.ends.requests.slots()
@@ -386,7 +394,7 @@ impl<T> Control<T> {
         }
     }
 
-    /// Keeps the books.
+    /// Updates the information about a command from an event.
     fn note(&mut self, event: &Event) {
         let Event::Notice(notice) = event else {
             return;

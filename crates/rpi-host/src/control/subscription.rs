@@ -1,16 +1,16 @@
-//! Exported flows on their way to the host: words in a bounded ring, sent where a value has changed.
+//! Subscriptions to exported flows. Samples are sent to the host through a bounded ring when a value changes.
 
 use rpi_core::{Command, CommandId};
 use rpi_image::image::Signal;
 use rtrb::{Consumer, Producer};
 
-/// Exported flows of one command that somebody wants to see. It replaces the one before.
+/// Subscription to exported flows of one command. A new subscription of the command replaces the old one.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Subscription {
     pub(super) command: CommandId,
     pub(super) every: u64,
     flows: Box<[Flow]>,
-    /// Samples for which there was no room.
+    /// Number of samples dropped because the ring was full.
     pub(super) lost: u64,
 }
 
@@ -18,12 +18,13 @@ pub struct Subscription {
 struct Flow {
     export: u32,
     signal: Signal,
-    /// What was last sent: nothing yet, absent, or the value in `cells`.
+    /// Last value sent: `None` if nothing was sent, `Some(false)` if the flow was absent, `Some(true)` for the value in
+    /// `cells`.
     sent: Option<bool>,
     cells: Box<[u64]>,
 }
 
-/// Words before a sample's cells: place and serial of the command, export with width and presence, tick.
+/// Number of words before the value of a sample: command number; export index with width and presence; tick.
 const HEADER: usize = 3;
 const PRESENT: u64 = 1 << 63;
 
@@ -43,12 +44,12 @@ impl Subscription {
         }
     }
 
-    /// The exports that it shows.
+    /// Returns the indices of the subscribed exports.
     pub(super) fn exports(&self) -> impl Iterator<Item = u32> + '_ {
         self.flows.iter().map(|flow| flow.export)
     }
 
-    /// Sends what has changed since it was last sent, if it is time to.
+    /// Sends the flows that have changed since they were last sent, if the sampling period has elapsed.
     pub(super) fn look(&mut self, command: &Command, tick: u64, ring: &mut Producer<u64>) {
         if !command.machine().cycle().is_multiple_of(self.every) && command.ending().is_none() {
             return;
@@ -81,13 +82,13 @@ impl Flow {
         let width = (cells.len() as u64) << 32;
         let header = [id.number(), present | width | u64::from(self.export), tick];
         for word in header.iter().chain(cells) {
-            // There is room, as was just seen; nobody else writes.
+            // The free slots were checked by the caller, and this is the only producer.
             let _ = ring.push(*word);
         }
     }
 }
 
-/// Hands on all samples that have arrived whole: command's number, export, tick, value.
+/// Passes all complete samples in the ring to `take`: command number, export index, tick, value.
 pub(super) fn drain(
     ring: &mut Consumer<u64>,
     buffer: &mut Vec<u64>,

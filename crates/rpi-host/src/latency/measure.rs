@@ -1,4 +1,4 @@
-//! Measuring how late a thread is woken.
+//! Measurement of wake-up latency.
 
 use std::io;
 use std::time::{Duration, Instant};
@@ -8,48 +8,48 @@ use serde::Serialize;
 
 use crate::realtime::{self, Grant, Spread, Wanted};
 
-/// Longest time that is told apart, nanoseconds.
+/// Largest latency that the histogram distinguishes, nanoseconds.
 const LONGEST: u64 = 10_000_000_000;
 
-/// How late a thread was woken.
+/// Wake-up latency of a thread.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize)]
 pub struct Wakes {
-    /// The period at which it was to be woken, nanoseconds.
+    /// Period of the wake-ups, nanoseconds.
     pub period_ns: u64,
-    /// How often it was.
+    /// Number of wake-ups.
     pub count: u64,
-    /// How late, nanoseconds.
+    /// Latency, nanoseconds.
     pub late: Spread,
-    /// How often it was so late.
+    /// Histogram of the latency.
     pub buckets: Vec<Bucket>,
-    /// What the system has said to what was asked of it.
+    /// Results of the requests for real-time resources, as text.
     pub grants: Vec<String>,
-    /// Whether all of it was granted.
+    /// Whether all resources were granted.
     pub all_granted: bool,
 }
 
-/// So many were less late than this, and not less than the bucket before says.
+/// A bucket of the histogram. It counts the wake-ups below its bound and not below the bound of the previous bucket.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
 pub struct Bucket {
-    /// Nanoseconds; none for the last bucket.
+    /// Upper bound in nanoseconds; `None` for the last bucket.
     pub below_ns: Option<u64>,
-    /// How many.
+    /// Number of wake-ups.
     pub count: u64,
 }
 
-/// The bounds of buckets, microseconds: they tell apart what matters from 0.1 to 10 kHz.
+/// Upper bounds of the buckets in microseconds, chosen for periods from 0.1 to 10 ms.
 const BOUNDS_US: [u64; 12] = [2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000, 10_000];
 
-/// Lets a thread of its own be woken so often, with what can be had of the system.
+/// Measures `count` wake-ups of a new thread with the requested resources.
 ///
 /// # Errors
-/// If the system gives no thread.
+/// Returns an error if no thread can be created.
 pub fn measure(wanted: Wanted, period_ns: u64, count: u64) -> io::Result<Wakes> {
     let thread = std::thread::Builder::new().name("rpi-latency".into());
     let thread = thread.spawn(move || wake(wanted, period_ns, count))?;
     let (grants, late) = thread
         .join()
-        .map_err(|_| io::Error::other("the measuring thread has failed"))?;
+        .map_err(|_| io::Error::other("the measuring thread panicked"))?;
     Ok(Wakes {
         period_ns,
         count: late.len(),
@@ -61,7 +61,7 @@ pub fn measure(wanted: Wanted, period_ns: u64, count: u64) -> io::Result<Wakes> 
 }
 
 fn wake(wanted: Wanted, period_ns: u64, count: u64) -> (Vec<Grant>, Histogram<u64>) {
-    // Two figures are exact to 1 %; these bounds are valid.
+    // Two significant digits give an accuracy of 1 %. These bounds are always valid.
     let mut late = Histogram::new_with_bounds(1, LONGEST, 2).expect("valid bounds");
     let grants = realtime::ask(wanted);
     let start = Instant::now();
@@ -74,7 +74,7 @@ fn wake(wanted: Wanted, period_ns: u64, count: u64) -> (Vec<Grant>, Histogram<u6
     (grants, late)
 }
 
-/// Every wake counts for the first bound that it lies below.
+/// Counts each wake-up in the first bucket whose bound exceeds its latency.
 fn buckets(late: &Histogram<u64>) -> Vec<Bucket> {
     let bounds = BOUNDS_US.iter().map(|us| Some(us * 1000)).chain([None]);
     let mut buckets: Vec<Bucket> = bounds

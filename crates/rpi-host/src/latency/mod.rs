@@ -1,7 +1,8 @@
-//! What a machine can hold: how late it wakes a thread that sleeps until an absolute time, again and again, and which period that allows.
+//! Wake-up latency of a machine, and the shortest period that it allows.
 //!
-//! The way of `cyclictest`: a thread with the priority, memory and core of a cycle sleeps until its next deadline and looks at the
-//! clock. How late it is shows what the kernel, interrupts and other programs take. This module must not know what runs in a cycle.
+//! The method is that of `cyclictest`: a thread with the priority, locked memory and core of a cycle sleeps until its
+//! next deadline and then reads the clock. Its lateness shows the delays caused by the kernel, interrupts and other
+//! programs. This module must not depend on what a cycle computes.
 
 mod measure;
 mod verdict;

@@ -1,4 +1,4 @@
-//! Which period a machine can hold, and why.
+//! Shortest period that a machine can meet.
 
 use std::fmt;
 
@@ -8,37 +8,38 @@ use super::measure::{Bucket, Wakes};
 use crate::realtime::Spread;
 use crate::run::time_text;
 
-/// What runs in each cycle.
+/// Timing of a program that ran in the cycle.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize)]
 pub struct Load {
-    /// What people call it.
+    /// Name of the program.
     pub name: String,
-    /// How long its cycles took, nanoseconds.
+    /// Duration of the cycles, nanoseconds.
     pub cycle: Spread,
-    /// How late they began, nanoseconds.
+    /// Lateness of the cycle starts, nanoseconds.
     pub late: Spread,
 }
 
-/// What a machine can hold.
+/// Shortest period that a machine can meet, with the measurements behind it.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize)]
 pub struct Verdict {
-    /// How late a thread is woken.
+    /// Wake-up latency.
     pub wakes: Wakes,
-    /// What was run, if something was.
+    /// Timing of the measured program, if any.
     pub load: Option<Load>,
-    /// What the worst cycle needs from its deadline on: the worst wake-up and the longest cycle after it, nanoseconds.
+    /// Worst-case time from a deadline to the end of its cycle, nanoseconds: the largest latency plus the longest
+    /// cycle.
     pub needed_ns: u64,
-    /// The shortest usual period that is longer than that, nanoseconds; none if even the longest is not.
+    /// Shortest common period that exceeds this time, nanoseconds; `None` if no common period does.
     pub holds_ns: Option<u64>,
 }
 
-/// Periods that robots are run at, nanoseconds.
+/// Common periods of robot controllers, nanoseconds.
 const PERIODS_NS: [u64; 10] = [
     100_000, 125_000, 250_000, 500_000, 1_000_000, 2_000_000, 4_000_000, 8_000_000, 12_000_000,
     25_000_000,
 ];
 
-/// Judges what was measured.
+/// Computes the verdict from the measurements.
 #[must_use]
 pub fn verdict(wakes: Wakes, load: Option<Load>) -> Verdict {
     let run_late = load.as_ref().map_or(0, |load| load.late.max);
@@ -54,10 +55,10 @@ pub fn verdict(wakes: Wakes, load: Option<Load>) -> Verdict {
 }
 
 impl Verdict {
-    /// The verdict for programs: one JSON object, indented.
+    /// Returns the verdict as one indented JSON object.
     #[must_use]
     pub fn to_json(&self) -> String {
-        // Strings, numbers and lists of these cannot fail to be written.
+        // Serialising strings, numbers and lists cannot fail.
         serde_json::to_string_pretty(self).unwrap_or_default()
     }
 
@@ -77,7 +78,7 @@ impl Verdict {
     }
 }
 
-/// Signs in the longest bar of the histogram.
+/// Number of characters of the longest bar of the histogram.
 const BAR: u64 = 50;
 
 impl fmt::Display for Verdict {
@@ -106,17 +107,17 @@ impl fmt::Display for Verdict {
             .try_for_each(|grant| writeln!(f, "  {grant}"))?;
         match self.holds_ns {
             Some(period) => writeln!(f, "holds a period of {}", time_text(period))?,
-            None => writeln!(f, "holds no usual period")?,
+            None => writeln!(f, "holds no common period")?,
         }
         self.reason(f)?;
         match wakes.all_granted {
             true => writeln!(
                 f,
-                "  measure for hours, under the load of every day, before you rely on it"
+                "  measure for hours under the usual load before you rely on this result"
             ),
             false => writeln!(
                 f,
-                "  without what was not granted any other program may make it later"
+                "  some resources were not granted, so other programs may increase the latency"
             ),
         }
     }

@@ -1,10 +1,10 @@
-//! A node by itself: fed from a table, its flows written to a table.
+//! Execution of a single node without devices: inputs come from a table, flows are written to a table.
 //!
 //! | file | idea |
 //! |---|---|
-//! | `run.rs` | a node and its cycles |
-//! | `table.rs` | rows of text and the columns that they belong to |
-//! | `told.rs` | what went wrong in a cycle, as a finding |
+//! | `run.rs` | the running node and its cycles |
+//! | `table.rs` | CSV rows and their mapping to the node's columns |
+//! | `told.rs` | diagnostics for faults in a cycle |
 
 mod run;
 mod table;

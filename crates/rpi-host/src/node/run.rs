@@ -1,4 +1,4 @@
-//! A node and its cycles.
+//! Executes a single node cycle by cycle.
 
 use std::sync::Arc;
 
@@ -13,23 +13,23 @@ use super::told;
 use crate::claims::{Flows, Watch};
 use rpi_diag::Finding;
 
-/// The cells of each column in one cycle; none where the flow is absent.
+/// Memory words of each column in one cycle; `None` where the flow is absent.
 pub type Row = Vec<Option<Vec<u64>>>;
 
-/// What a cycle gave.
+/// Result of one cycle of a node.
 #[derive(Debug)]
 pub struct Cycle {
-    /// The columns that are shown; none if the cycle could not be computed.
+    /// Values of the output columns; `None` if the cycle raised a fault.
     pub row: Option<Row>,
-    /// What went wrong in it.
+    /// Diagnostics raised in this cycle.
     pub findings: Vec<Finding>,
 }
 
-/// A node that runs by itself, without devices.
+/// A loaded node that is executed without devices.
 pub struct NodeRun {
     machine: Machine,
     bank: SimBank,
-    /// For each column that is fed the image's inputs of that key.
+    /// For each input column, the index of the image input with the same key; `None` if the image has no such input.
     inputs: Vec<Option<usize>>,
     shown: Vec<Option<Signal>>,
     exports: Vec<Signal>,
@@ -37,10 +37,10 @@ pub struct NodeRun {
 }
 
 impl NodeRun {
-    /// Loads a node's image; the claims that it publishes are watched.
+    /// Loads the image of a node and monitors the `claims` that it publishes.
     ///
     /// # Errors
-    /// Why it cannot run, in words.
+    /// Returns the load errors as text if the image cannot be loaded.
     pub fn load(
         image: Image,
         inputs: &[Column],
@@ -75,7 +75,7 @@ impl NodeRun {
         })
     }
 
-    /// One cycle. `given` has the cells of every in-port, in their order.
+    /// Executes one cycle. `given` holds the memory words of every in-port, in the order of the input columns.
     pub fn cycle(&mut self, given: &[Option<Vec<u64>>]) -> Cycle {
         let now = Moment::default();
         for (input, cells) in self.inputs.iter().zip(given) {
@@ -102,7 +102,7 @@ impl NodeRun {
             exports: &self.exports,
         };
         let fault = self.machine.fault();
-        // After any other fault nothing is told of values that were computed from it.
+        // After any other fault the values may have been computed from invalid data, so the claims are not evaluated.
         let counts = fault.is_none_or(|fault| fault.code == FaultCode::AssertionFailed);
         let broken = match counts {
             true => self.claims.look(&seen),
@@ -125,14 +125,14 @@ impl NodeRun {
         Cycle { row, findings }
     }
 
-    /// How often claims did not hold, a line for each that did not hold more than once.
+    /// Returns one line, with the number of violations, for each claim that was violated more than once.
     #[must_use]
     pub fn summary(&self) -> String {
         self.claims.summary()
     }
 }
 
-/// What the machine publishes.
+/// Read access to the exported flows of the machine.
 struct Seen<'m> {
     machine: &'m Machine,
     exports: &'m [Signal],

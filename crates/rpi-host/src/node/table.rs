@@ -4,15 +4,15 @@ use std::fmt;
 
 use rpi_net::Column;
 
-/// What some programs write before a text in UTF-8.
+/// Byte order mark that some programs write at the start of a UTF-8 file.
 const BYTE_ORDER_MARK: char = '\u{feff}';
 
-/// Why a table cannot be read.
+/// A table that cannot be read.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct BadTable {
-    /// The line, from 1.
+    /// Line number, from 1.
     pub line: usize,
-    /// What is wrong with it.
+    /// Description of the error.
     pub message: String,
 }
 
@@ -24,20 +24,20 @@ impl fmt::Display for BadTable {
 
 impl std::error::Error for BadTable {}
 
-/// Reads the rows of a table for a node's in-ports.
+/// Reads the rows of a table into the in-ports of a node.
 #[derive(Clone, Debug)]
 pub struct Reader<'c> {
     columns: &'c [Column],
-    /// For each column of the node the field of a row.
+    /// For each column of the node, the index of its field in a row.
     fields: Vec<usize>,
     width: usize,
 }
 
 impl<'c> Reader<'c> {
-    /// Understands a header. Flows that the node does not read are passed over.
+    /// Maps the columns of a node to the fields of a header line. Additional fields are ignored.
     ///
     /// # Errors
-    /// If an in-port has no field or two.
+    /// Returns an error if an in-port has no field in the header or more than one.
     pub fn new(columns: &'c [Column], header: &str) -> Result<Reader<'c>, BadTable> {
         let names = fields(header.trim_start_matches(BYTE_ORDER_MARK));
         let all = |is: &dyn Fn(&str) -> bool| -> Vec<usize> {
@@ -53,7 +53,7 @@ impl<'c> Reader<'c> {
             match found[..] {
                 [k] => Ok(k),
                 [] => Err(no_column(&column.key, &names)),
-                _ => Err(format!("two columns are called `{}`", column.key)),
+                _ => Err(format!("duplicate column `{}`", column.key)),
             }
         };
         let fields: Result<Vec<usize>, String> = columns.iter().map(field).collect();
@@ -64,16 +64,16 @@ impl<'c> Reader<'c> {
         })
     }
 
-    /// Whether an empty line is a row: that of a single flow, which is absent.
+    /// Returns true if an empty line is a row: the node has a single in-port and its flow may be absent.
     #[must_use]
     pub fn takes_empty_lines(&self) -> bool {
         self.width == 1 && matches!(self.columns, [column] if column.optional)
     }
 
-    /// The cells of every in-port in one row; none where one that may be absent is.
+    /// Returns the memory words of every in-port in one row; `None` for an absent flow.
     ///
     /// # Errors
-    /// If a field is missing or no value of its flow.
+    /// Returns an error if a field is missing or is not a valid value of its flow.
     pub fn row(&self, number: usize, text: &str) -> Result<super::Row, BadTable> {
         let bad = |message: String| BadTable {
             line: number,
@@ -93,7 +93,7 @@ impl<'c> Reader<'c> {
                 return Ok(None);
             }
             if text.is_empty() {
-                let message = "the field is empty, and this is always present";
+                let message = "the field is empty, but this flow is never absent";
                 return Err(bad(format!("{}: {message}", column.key)));
             }
             let value = column.read(text).map(Some);
@@ -106,14 +106,12 @@ impl<'c> Reader<'c> {
             .map(cells)
             .collect::<Result<_, _>>()?;
         match self.half_given(&row) {
-            Some(flow) => Err(bad(format!(
-                "a part of `{flow}` is given, and another is not"
-            ))),
+            Some(flow) => Err(bad(format!("flow `{flow}` is only partly present"))),
             None => Ok(row),
         }
     }
 
-    /// A flow of several columns that is there and absent.
+    /// Returns the name of a flow with several columns of which some are present and some absent.
     fn half_given(&self, row: &super::Row) -> Option<&'c str> {
         let flows = self.columns.iter().map(|column| flow_of(&column.key));
         let flows = flows.zip(row.iter().map(Option::is_some));
@@ -124,7 +122,7 @@ impl<'c> Reader<'c> {
     }
 }
 
-/// The flow that a column is a part of.
+/// Returns the name of the flow that a column belongs to.
 fn flow_of(key: &str) -> &str {
     key.split(['.', '[']).next().unwrap_or(key)
 }
@@ -136,14 +134,16 @@ fn no_column(key: &str, names: &[String]) -> String {
     }
 }
 
-/// `x[2].f` may also be written `x_2_f`, as Lustre V6 does, unless another flow is called so.
+/// Returns the alternative spelling of a column key: `x[2].f` becomes `x_2_f`, as in Lustre V6.
+///
+/// [`Reader::new`] accepts it unless another flow has that name.
 fn flat(key: &str) -> String {
     let kept = key.chars().filter(|c| *c != ']');
     let plain = kept.map(|c| if matches!(c, '.' | '[') { '_' } else { c });
     plain.collect()
 }
 
-/// The fields of a line; a field in double quotes may hold commas, and `""` for a double quote.
+/// Splits a line into fields. A field in double quotes may contain commas and `""` for a double quote.
 fn fields(line: &str) -> Vec<String> {
     let mut all = vec![String::new()];
     let mut quoted = false;
@@ -164,7 +164,7 @@ fn fields(line: &str) -> Vec<String> {
     all.iter().map(|field| field.trim().to_owned()).collect()
 }
 
-/// The header of a table of these columns.
+/// Returns the header line of a table with these columns.
 pub fn header<'c>(columns: impl Iterator<Item = &'c Column>) -> String {
     columns
         .map(|column| quoted(&column.key))
@@ -172,7 +172,7 @@ pub fn header<'c>(columns: impl Iterator<Item = &'c Column>) -> String {
         .join(",")
 }
 
-/// A row of a table: nothing stands where a flow is absent.
+/// Returns one row of a table. The field of an absent flow is empty.
 #[must_use]
 pub fn line(columns: &[&Column], row: &super::Row) -> String {
     let text = |(column, cells): (&&Column, &Option<Vec<u64>>)| {
@@ -260,13 +260,13 @@ mod tests {
         assert_eq!(reader.row(2, ",,7").unwrap(), [None, None, seven.clone()]);
         assert_eq!(reader.row(2, "7,7,").unwrap(), [seven.clone(), seven, None]);
         let error = reader.row(2, "7,,7").unwrap_err().to_string();
-        assert_eq!(error, "2: a part of `p` is given, and another is not");
+        assert_eq!(error, "2: flow `p` is only partly present");
         let columns = [column("n", Scalar::Int)];
         let reader = Reader::new(&columns, "n").unwrap();
         let error = reader.row(3, "").unwrap_err().to_string();
         assert_eq!(
             error,
-            "3: n: the field is empty, and this is always present"
+            "3: n: the field is empty, but this flow is never absent"
         );
     }
 

@@ -1,10 +1,11 @@
-//! What went wrong in a cycle of a node, as a finding.
+//! Diagnostics for faults in a cycle of a node.
 
 use rpi_diag::{Code, FileId, Finding, Span};
 use rpi_image::Image;
 use rpi_prims::Fault;
 
-/// A fault: what happened, where, in which cycle; `of` says of what, if that has to be told.
+/// Returns the diagnostic for a fault, with its source location and cycle number. `of` names the faulty command if the
+/// message must name it.
 pub(crate) fn fault(image: &Image, fault: Fault, cycle: u64, of: Option<&str>) -> Finding {
     let what = crate::run::fault_text(fault.code);
     let of = of.map_or_else(String::new, |of| format!(" of `{of}`"));
@@ -15,7 +16,7 @@ pub(crate) fn fault(image: &Image, fault: Fault, cycle: u64, of: Option<&str>) -
         end: text.end,
     });
     let flow = place.and_then(|place| place.flow.clone().or_else(|| Some(place.path.clone())));
-    // What stands behind a `#` counts the parts of an expression.
+    // The suffix after `#` numbers the parts of an expression. It is not part of the flow's name.
     let label = flow.map_or_else(String::new, |flow| {
         let name = flow.split('#').next().unwrap_or(&flow);
         format!("for `{name}`")

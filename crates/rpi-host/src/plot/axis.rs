@@ -1,22 +1,22 @@
-//! Axes: from values to pixels, and where the ticks stand.
+//! Axes: scaling of values to pixels, and tick marks.
 
-/// A straight map from values to pixels.
+/// A linear map from values to pixels.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) struct Axis {
     /// Smallest and largest value.
     pub(super) values: (f64, f64),
-    /// Where these lie.
+    /// Pixel positions of these values.
     pub(super) pixels: (f64, f64),
 }
 
 impl Axis {
-    /// The pixel of a value.
+    /// Returns the pixel position of a value.
     pub(super) fn at(&self, value: f64) -> f64 {
         let (low, high) = self.values;
         self.pixels.0 + (value - low) / (high - low) * (self.pixels.1 - self.pixels.0)
     }
 
-    /// The ticks: round values, about one per `spacing` pixels.
+    /// Returns the tick marks: round values, about one per `spacing` pixels.
     pub(super) fn ticks(&self, spacing: f64) -> Vec<f64> {
         let (low, high) = self.values;
         let count = ((self.pixels.1 - self.pixels.0).abs() / spacing).max(1.0);
@@ -26,7 +26,7 @@ impl Axis {
         (0..=last).map(|k| (first + k as f64) * step).collect()
     }
 
-    /// As many decimals as tell the ticks apart.
+    /// Returns the label of a tick mark, with as many decimals as needed to distinguish the ticks.
     pub(super) fn label(&self, tick: f64, spacing: f64) -> String {
         let ticks = self.ticks(spacing);
         let step = ticks.windows(2).map(|w| w[1] - w[0]).next().unwrap_or(1.0);
@@ -49,7 +49,7 @@ impl Axis {
 
 const POWERS: [f64; 6] = [1.0, 10.0, 100.0, 1e3, 1e4, 1e5];
 
-/// The smallest of 1, 2, 5, 10, 20, ... that is at least `step`.
+/// Returns the smallest of 1, 2, 5, 10, 20, ... that is at least `step`.
 fn round_step(step: f64) -> f64 {
     let mut power = 1e-9;
     while power * 10.0 < step && power < 1e12 {
@@ -62,7 +62,7 @@ fn round_step(step: f64) -> f64 {
         .unwrap_or(step)
 }
 
-/// Smallest and largest of the values, widened where they are too close to show; finite values only.
+/// Returns the range of the finite values, widened to a width of at least `least`.
 pub(super) fn range(values: impl Iterator<Item = f64>, least: f64) -> (f64, f64) {
     let finite = values.filter(|v| v.is_finite());
     let (low, high) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| {
@@ -75,7 +75,7 @@ pub(super) fn range(values: impl Iterator<Item = f64>, least: f64) -> (f64, f64)
     (low - missing, high + missing)
 }
 
-/// A range with a margin, a part of its width, at both ends.
+/// Returns a range extended at both ends by `part` of its width.
 pub(super) fn padded((low, high): (f64, f64), part: f64) -> (f64, f64) {
     let margin = (high - low) * part;
     (low - margin, high + margin)

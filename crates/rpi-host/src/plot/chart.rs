@@ -1,4 +1,4 @@
-//! Values over time, each line with its name at its end.
+//! Chart of values over time, with the name of each line at its end.
 
 use super::axis::{Axis, padded, range};
 use super::frame::{FIGURE, Frame};
@@ -7,16 +7,16 @@ use super::simplify::simplify;
 use super::svg::{Anchor, Svg, TextStyle};
 use super::{Chart, Spell};
 
-/// Where a chart goes.
+/// Position of a chart on the page, in pixels.
 #[derive(Clone, Copy)]
 pub(super) struct Place {
-    /// Left and right border of the field.
+    /// Left and right edge of the plot area.
     pub(super) x: (f64, f64),
-    /// Upper and lower border of the field.
+    /// Upper and lower edge of the plot area.
     pub(super) y: (f64, f64),
 }
 
-/// Names of lines closer than this would overlap, pixels.
+/// Minimum vertical distance of line names, in pixels.
 const LABEL_HEIGHT: f64 = 13.0;
 
 pub(super) fn draw(
@@ -52,14 +52,14 @@ pub(super) fn draw(
     names(svg, chart, &frame);
 }
 
-/// The names at the right, at the height of the lines' ends as far as there is room.
+/// Draws the names of the lines at the right edge, as near to the ends of the lines as possible.
 fn names(svg: &mut Svg, chart: &Chart, frame: &Frame) {
     let ends = chart.lines.iter().enumerate();
     let mut ends: Vec<(f64, usize)> = ends
         .filter_map(|(k, line)| Some((frame.y.at(line.points.last()?.1), k)))
         .filter(|(y, _)| y.is_finite())
         .collect();
-    // Ends at one height to the pixel keep their order.
+    // Lines that end at the same pixel keep their order.
     ends.sort_by(|a, b| a.0.round().total_cmp(&b.0.round()).then(a.1.cmp(&b.1)));
     let heights = spread(
         ends.iter().map(|e| e.0).collect(),
@@ -81,7 +81,7 @@ fn names(svg: &mut Svg, chart: &Chart, frame: &Frame) {
     }
 }
 
-/// Ascending heights moved apart so that none overlap, inside of the field if they fit.
+/// Moves ascending positions apart so that no names overlap, within the plot area if they fit.
 fn spread(mut heights: Vec<f64>, top: f64, bottom: f64) -> Vec<f64> {
     let mut least = top;
     for height in &mut heights {

@@ -1,4 +1,4 @@
-//! The page: heading, ways, bars of the commands, charts, from top to bottom.
+//! Page layout: title, paths, timeline and charts from top to bottom.
 
 use super::axis::Axis;
 use super::chart::{self, Place};
@@ -15,10 +15,10 @@ const VIEW_HEIGHT: f64 = 270.0;
 const VIEW_GAP: f64 = 70.0;
 const BAR_HEIGHT: f64 = 56.0;
 const CHART_HEIGHT: f64 = 170.0;
-/// Above and below a field: its heading and its figures.
+/// Space above and below a plot area for its heading and tick labels.
 const AROUND: f64 = 62.0;
 
-/// Draws a run as SVG.
+/// Renders a plot as SVG.
 #[must_use]
 pub fn draw(picture: &Picture) -> String {
     let mut svg = Svg::new(WIDTH, height(picture), &picture.title, PAPER);
@@ -85,7 +85,7 @@ fn charts(svg: &mut Svg, picture: &Picture, mut y: f64) {
     }
 }
 
-/// From 0 to the end of all that is shown.
+/// Returns the time range from 0 to the end of all content, in seconds.
 fn seconds(picture: &Picture) -> (f64, f64) {
     let lines = picture.charts.iter().flat_map(|c| &c.lines);
     let ends = lines.filter_map(|l| Some(l.points.last()?.0));
@@ -137,7 +137,7 @@ mod tests {
             "joint 2",
             "First",
             "Second",
-            "switch 1.200 s",
+            "takeover 1.200 s",
             "from above",
         ] {
             assert!(svg.contains(name), "{name} is missing");

@@ -1,10 +1,10 @@
-//! The field that a chart is drawn in: heading, grid, ticks.
+//! Plot area of a chart: heading, grid, tick labels.
 
 use super::axis::Axis;
 use super::palette::{AXIS, GRID, INK, SOFT_INK};
 use super::svg::{Anchor, Svg, TextStyle};
 
-/// Headings of charts.
+/// Text style of chart headings.
 pub(super) const HEADING: TextStyle = TextStyle {
     size: 13.0,
     color: INK,
@@ -12,7 +12,7 @@ pub(super) const HEADING: TextStyle = TextStyle {
     anchor: Anchor::Start,
 };
 
-/// Figures at axes.
+/// Text style of tick labels.
 pub(super) const FIGURE: TextStyle = TextStyle {
     size: 11.0,
     color: SOFT_INK,
@@ -20,14 +20,14 @@ pub(super) const FIGURE: TextStyle = TextStyle {
     anchor: Anchor::Middle,
 };
 
-/// A field with two axes.
+/// A plot area with two axes.
 #[derive(Clone, Copy)]
 pub(super) struct Frame {
     pub(super) x: Axis,
     pub(super) y: Axis,
 }
 
-/// Pixels between ticks.
+/// Approximate distance of tick marks in pixels.
 const SPACING: (f64, f64) = (90.0, 34.0);
 
 impl Frame {
@@ -51,7 +51,7 @@ impl Frame {
         self.y.pixels.1
     }
 
-    /// Heading, grid and figures; `x_title` stands at the end of the lower axis.
+    /// Draws heading, grid and tick labels. `x_title` is the label at the end of the x axis.
     pub(super) fn draw(&self, svg: &mut Svg, heading: &str, x_title: &str) {
         svg.text((self.left(), self.top() - 10.0), HEADING, heading);
         self.rows(svg);

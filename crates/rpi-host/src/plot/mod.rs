@@ -1,6 +1,6 @@
-//! A picture of a run as one SVG file: paths in space, values over time, and which command ran when.
+//! Plot of a run as one SVG file: paths in space, values over time, and a timeline of the commands.
 //!
-//! Drawn from plain numbers; nothing here knows a device, a net or a file.
+//! The input is plain numbers. This module must not depend on devices, nets or files.
 
 mod axis;
 mod chart;
@@ -14,55 +14,55 @@ mod timeline;
 
 pub use draw::draw;
 
-/// What there is to draw.
+/// Content of a plot.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Picture {
-    /// Heading.
+    /// Title of the plot.
     pub title: String,
-    /// Ways through space, one per arm.
+    /// Paths in space, one per arm.
     pub paths: Vec<SpacePath>,
-    /// Values over time, one chart each.
+    /// Charts of values over time.
     pub charts: Vec<Chart>,
-    /// The commands in order of their start.
+    /// Execution intervals of the commands, in order of their start.
     pub spells: Vec<Spell>,
 }
 
-/// The way of a point through space.
+/// Path of a point in space.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct SpacePath {
-    /// Whose way it is.
+    /// Name of the moving object.
     pub name: String,
-    /// Seconds and position (metres) of each sample.
+    /// Time (seconds) and position (metres) of each sample.
     pub points: Vec<(f64, [f64; 3])>,
 }
 
-/// Values that share an axis.
+/// A chart of values that share an axis.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Chart {
-    /// What is shown, with its unit.
+    /// Title with the unit of the values.
     pub title: String,
-    /// The lines.
+    /// Lines of the chart.
     pub lines: Vec<Line>,
 }
 
 /// A value over time.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Line {
-    /// Its name.
+    /// Name of the line.
     pub name: String,
-    /// Seconds and value of each sample.
+    /// Time (seconds) and value of each sample.
     pub points: Vec<(f64, f64)>,
 }
 
-/// The time in which a command ran.
+/// Execution interval of a command.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Spell {
-    /// Its name.
+    /// Name of the command.
     pub command: String,
-    /// First cycle, seconds.
+    /// Start of the first cycle, seconds.
     pub from: f64,
     /// End of the last cycle, seconds.
     pub to: f64,
-    /// How it ended, in a word.
+    /// Short text for how the command ended.
     pub end: String,
 }

@@ -1,13 +1,13 @@
-//! Colours: ink for text, greys for what stands back, hues for what is compared.
+//! Colours: dark for text, greys for background elements, hues for compared data.
 //!
-//! The hues keep apart for readers with the common kinds of colour blindness when they stand in this order; lines carry
-//! their names besides, so that colour never stands alone.
+//! In this order the hues are distinguishable with the common kinds of colour blindness. Lines are also labelled with
+//! their names, so that no information depends on colour alone.
 
-/// The paper.
+/// Background.
 pub(super) const PAPER: &str = "#fcfcfb";
 /// Headings.
 pub(super) const INK: &str = "#16181d";
-/// Labels and figures.
+/// Labels and numbers.
 pub(super) const SOFT_INK: &str = "#5b606b";
 /// Grid lines.
 pub(super) const GRID: &str = "#e8e8e4";
@@ -18,12 +18,12 @@ const HUES: [&str; 8] = [
     "#2a78d6", "#eb6834", "#1baf7a", "#4a3aa7", "#e34948", "#eda100", "#008300", "#e87ba4",
 ];
 
-/// The hue of the `k`-th thing in a picture.
+/// Returns the hue of the `k`-th object.
 pub(super) fn hue(k: usize) -> &'static str {
     HUES[k % HUES.len()]
 }
 
-/// The dashes of the `k`-th line: from the ninth on, hues come again with other dashes.
+/// Returns the dash pattern of the `k`-th line. From the ninth line on, the hues repeat with other patterns.
 pub(super) fn dashes(k: usize) -> Option<&'static str> {
     [None, Some("6 3"), Some("2 3")][(k / HUES.len()) % 3]
 }

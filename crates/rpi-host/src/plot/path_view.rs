@@ -1,4 +1,4 @@
-//! A way through space, seen along an axis: both axes at one scale, each command in its hue.
+//! Projection of a path in space along an axis, with equal scales on both axes and one hue per command.
 
 use super::axis::{Axis, padded, range};
 use super::chart::Place;
@@ -8,12 +8,12 @@ use super::simplify::simplify;
 use super::svg::{Anchor, Svg, TextStyle};
 use super::{SpacePath, Spell};
 
-/// From where one looks.
+/// Direction of the projection.
 #[derive(Clone, Copy)]
 pub(super) enum View {
-    /// From above: x to the right, y up.
+    /// Top view: x to the right, y up.
     Top,
-    /// From the side: x to the right, z up.
+    /// Side view: x to the right, z up.
     Side,
 }
 
@@ -33,7 +33,7 @@ impl View {
     }
 }
 
-/// Less is not shown larger, metres: a resting arm is a dot, not noise.
+/// Minimum width of the plotted range in metres. An arm at rest is then a dot instead of enlarged noise.
 const LEAST_WIDTH: f64 = 0.02;
 
 pub(super) fn draw(svg: &mut Svg, path: &SpacePath, view: View, place: Place, spells: &[Spell]) {
@@ -52,7 +52,7 @@ pub(super) fn draw(svg: &mut Svg, path: &SpacePath, view: View, place: Place, sp
     marks(svg, &points, spells, &frame);
 }
 
-/// A field in which both axes have one scale.
+/// Returns a plot area with equal scales on both axes.
 fn frame(points: &[(f64, (f64, f64))], place: Place) -> Frame {
     let x = padded(range(points.iter().map(|p| p.1.0), LEAST_WIDTH), 0.08);
     let y = padded(range(points.iter().map(|p| p.1.1), LEAST_WIDTH), 0.08);
@@ -74,7 +74,7 @@ fn frame(points: &[(f64, (f64, f64))], place: Place) -> Frame {
     }
 }
 
-/// The points of each command, with the last one of its predecessor so that the way has no gap.
+/// Splits the points by command. Each part begins with the last point of its predecessor, so that the path has no gap.
 fn parts<P: Copy>(points: &[(f64, P)], spells: &[Spell]) -> Vec<Vec<(f64, P)>> {
     if spells.is_empty() {
         return vec![points.to_vec()];
@@ -90,7 +90,7 @@ fn parts<P: Copy>(points: &[(f64, P)], spells: &[Spell]) -> Vec<Vec<(f64, P)>> {
         .collect()
 }
 
-/// Start, switches and end.
+/// Marks the start, the takeovers and the end.
 fn marks(svg: &mut Svg, points: &[(f64, (f64, f64))], spells: &[Spell], frame: &Frame) {
     let (Some(first), Some(last)) = (points.first(), points.last()) else {
         return;
@@ -102,7 +102,7 @@ fn marks(svg: &mut Svg, points: &[(f64, (f64, f64))], spells: &[Spell], frame: &
         let at = pixel(&points[at.min(points.len() - 1)]);
         svg.dot(at, 5.0, hue(k), PAPER);
         if is_free(&labelled, at) {
-            let text = format!("switch {:.3} s", spell.from);
+            let text = format!("takeover {:.3} s", spell.from);
             label(svg, frame, at, (-7.0, SOFT_INK), &text);
             labelled.push(at);
         }
@@ -113,16 +113,17 @@ fn marks(svg: &mut Svg, points: &[(f64, (f64, f64))], spells: &[Spell], frame: &
     }
 }
 
-/// Whether a text at this point covers none of those before: rounds switch at the same places again and again.
+/// Returns true if a label at this point overlaps none of the earlier ones. Cyclic programs have takeovers at the same
+/// points in every iteration.
 fn is_free(labelled: &[(f64, f64)], at: (f64, f64)) -> bool {
-    /// Width and height of a text.
+    /// Width and height of a label in pixels.
     const TEXT: (f64, f64) = (110.0, 13.0);
     let apart =
         |other: &(f64, f64)| (other.0 - at.0).abs() >= TEXT.0 || (other.1 - at.1).abs() >= TEXT.1;
     labelled.iter().all(apart)
 }
 
-/// A text beside a point, on the side where there is more room.
+/// Draws a label beside a point, on the side with more room.
 fn label(
     svg: &mut Svg,
     frame: &Frame,

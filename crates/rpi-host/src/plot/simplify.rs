@@ -1,9 +1,9 @@
-//! Fewer points for the same picture (Ramer 1972, Douglas and Peucker 1973).
+//! Line simplification (Ramer 1972, Douglas and Peucker 1973).
 
 type Point = (f64, f64);
 
-/// The points of a line without those that it passes within `tolerance` of anyway. Points that are no numbers are left
-/// out.
+/// Removes the points of a line that are within `tolerance` of the simplified line. Points with non-finite coordinates
+/// are removed as well.
 pub(super) fn simplify(points: &[Point], tolerance: f64) -> Vec<Point> {
     let points: Vec<Point> = points
         .iter()
@@ -24,14 +24,15 @@ pub(super) fn simplify(points: &[Point], tolerance: f64) -> Vec<Point> {
     kept.map(|(point, _)| *point).collect()
 }
 
-/// The point between two that lies farthest off their connection, if that is too far.
+/// Returns the point between `first` and `last` with the largest distance from their segment, if the distance exceeds
+/// the tolerance.
 fn farthest(points: &[Point], first: usize, last: usize, tolerance: f64) -> Option<usize> {
     let off = |k: usize| distance(points[k], points[first], points[last]);
     let far = (first + 1..last).max_by(|&a, &b| off(a).total_cmp(&off(b)))?;
     (off(far) > tolerance).then_some(far)
 }
 
-/// Distance of `p` from the segment between `a` and `b`.
+/// Returns the distance of `p` from the segment between `a` and `b`.
 fn distance(p: Point, a: Point, b: Point) -> f64 {
     let (dx, dy) = (b.0 - a.0, b.1 - a.1);
     let (px, py) = (p.0 - a.0, p.1 - a.1);

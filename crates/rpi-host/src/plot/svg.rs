@@ -1,13 +1,13 @@
-//! Writing SVG: elements with attributes, numbers short, texts escaped.
+//! SVG output: elements with attributes, short numbers, escaped texts.
 
 use std::fmt::{Display, Write};
 
-/// A picture under construction.
+/// An SVG document under construction.
 pub(super) struct Svg {
     out: String,
 }
 
-/// Where a text stands relative to its point.
+/// Alignment of a text relative to its position.
 #[derive(Clone, Copy)]
 pub(super) enum Anchor {
     Start,
@@ -25,7 +25,7 @@ impl Anchor {
     }
 }
 
-/// How a text looks.
+/// Font and alignment of a text.
 #[derive(Clone, Copy)]
 pub(super) struct TextStyle {
     pub(super) size: f64,
@@ -77,7 +77,7 @@ impl Svg {
         ));
     }
 
-    /// A line through the points, named for readers that hover or listen.
+    /// Draws a line through the points. `name` becomes its title for tooltips and screen readers.
     pub(super) fn polyline(
         &mut self,
         points: &[(f64, f64)],
@@ -133,7 +133,7 @@ impl Svg {
     }
 }
 
-/// A coordinate to a hundredth of a pixel.
+/// Formats a coordinate with at most two decimals.
 fn num(value: f64) -> String {
     let text = format!("{value:.2}");
     let text = text.trim_end_matches('0').trim_end_matches('.');

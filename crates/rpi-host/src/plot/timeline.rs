@@ -1,4 +1,4 @@
-//! Which command ran when: one bar each, on the time axis of the charts below.
+//! Timeline of the commands: one bar each, on the same time axis as the charts below.
 
 use super::Spell;
 use super::axis::Axis;
@@ -7,17 +7,17 @@ use super::svg::{Anchor, Svg, TextStyle};
 
 const BAR: f64 = 7.0;
 
-/// Bars are drawn here; the names stand above them.
+/// Draws the bars at height `y`, with the names above them.
 pub(super) fn draw(svg: &mut Svg, spells: &[Spell], x: Axis, y: f64) {
     for (k, spell) in spells.iter().enumerate() {
         let (from, to) = (x.at(spell.from), x.at(spell.to));
-        // Two pixels of paper keep neighbours apart.
+        // A gap of two pixels separates adjacent bars.
         svg.rect((from, y), ((to - from - 2.0).max(1.0), BAR), 2.0, hue(k));
         name(svg, spell, (from, y - 7.0), to - from);
     }
 }
 
-/// Command and end as far as they fit over the bar.
+/// Draws the name and the end of a command, as far as they fit above the bar.
 fn name(svg: &mut Svg, spell: &Spell, at: (f64, f64), room: f64) {
     let width = |text: &str| text.chars().count() as f64 * 7.8;
     let style = TextStyle {

@@ -1,4 +1,4 @@
-//! The beat of a cycle: waits for each tick, measures it, says what becomes of the next ones.
+//! Tick timer: waits for each tick, measures it and handles overruns.
 
 use std::time::Instant;
 
@@ -6,22 +6,23 @@ use super::clock::{Clock, Pace};
 use super::figures::{Figures, Meter};
 use super::overrun::{OverrunPolicy, Verdict};
 
-/// A beat under way: [`Beat::wait`], the tick's work, [`Beat::over`], and again. Neither allocates.
+/// A running tick timer. The caller repeats [`Beat::wait`], the work of the tick and [`Beat::over`]. No method
+/// allocates.
 pub struct Beat {
     clock: Clock,
     meter: Meter,
     policy: OverrunPolicy,
-    /// By how much the latest tick ended too late, nanoseconds.
+    /// Nanoseconds by which the latest tick ended after the next one was due.
     over: u64,
-    /// By how much it was longer than a period itself, however late it began, nanoseconds.
+    /// Nanoseconds by which the latest tick took longer than a period, regardless of when it began.
     excess: u64,
-    /// How late the present tick began, nanoseconds, and when.
+    /// Nanoseconds by which the current tick began too late. `begin` is its start time.
     late: u64,
     begin: Instant,
 }
 
 impl Beat {
-    /// Tick 0, of a length in nanoseconds, is due now.
+    /// Starts a timer. Tick 0 is due now; `tick_ns` is the period.
     #[must_use]
     pub fn start(pace: Pace, tick_ns: u64, policy: OverrunPolicy) -> Beat {
         Beat {
@@ -35,19 +36,19 @@ impl Beat {
         }
     }
 
-    /// Begins anew: tick 0 is due now.
+    /// Restarts the timer: tick 0 is due now.
     pub fn restart(&mut self) {
         self.clock.restart();
     }
 
-    /// Waits until a tick is due; the wall clock that its commands see, nanoseconds since the Unix epoch.
+    /// Waits until a tick is due. Returns the wall clock of the commands, nanoseconds since the Unix epoch.
     pub fn wait(&mut self, tick: u64) -> i64 {
         self.late = self.clock.wait(tick);
         self.begin = Instant::now();
         self.clock.wall_ns(tick)
     }
 
-    /// The tick's work is done. True if it took too long, once too often: then every command is to be ended.
+    /// Ends the measurement of a tick. Returns true if the overrun policy requires that all commands are ended.
     #[must_use]
     pub fn over(&mut self, tick: u64) -> bool {
         let took = u64::try_from(self.begin.elapsed().as_nanos()).unwrap_or(u64::MAX);
@@ -65,14 +66,16 @@ impl Beat {
         }
     }
 
-    /// By how many nanoseconds the latest tick ended after the next one was due, if it did, and by how many it was longer than a
-    /// period itself: 0 where it only began too late.
+    /// Returns the overrun of the latest tick, or `None` if it ended in time.
+    ///
+    /// The first number is the time in nanoseconds by which the tick ended after the next one was due. The second
+    /// number is the time by which it took longer than a period; 0 if it only began too late.
     #[must_use]
     pub fn overrun(&self) -> Option<(u64, u64)> {
         Some((self.over, self.excess)).filter(|(over, _)| *over > 0)
     }
 
-    /// What was measured so far.
+    /// Returns the statistics of the ticks so far.
     #[must_use]
     pub fn figures(&self) -> Figures {
         self.meter.figures()

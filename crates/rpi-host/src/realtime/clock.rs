@@ -1,32 +1,33 @@
-//! The clock that ticks follow: simulated, as fast as the machine allows, or real.
+//! Clock of the ticks: simulated, accelerated or real time.
 
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-/// What the ticks follow.
+/// Time base of the ticks.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Pace {
-    /// Nothing: tick after tick, with a logical clock that starts at 0.
+    /// Simulated time: ticks follow each other without waiting. The logical clock starts at 0.
     Simulated,
-    /// So many times as fast as real time, with a logical clock that starts at 0.
+    /// Accelerated time: the given multiple of real time. The logical clock starts at 0.
     Faster(u32),
-    /// Absolute deadlines on the monotonic clock.
+    /// Real time: absolute deadlines on the monotonic clock.
     Real,
 }
 
-/// Nanoseconds before a deadline from which on the clock is asked again and again instead of sleeping: longer than a
-/// usual timer is late.
+/// Nanoseconds before a deadline at which sleeping ends and busy-waiting begins. It exceeds the usual latency of a
+/// timer.
 const SPIN_NS: u64 = 60_000;
-/// Further behind than this the deadlines are moved instead of caught up with: after a suspended machine, say.
+/// Lateness in nanoseconds above which the deadlines are shifted instead of caught up with, for example after a
+/// suspend.
 const BEHIND_NS: u64 = 1_000_000_000;
 
-/// A clock under way.
+/// A running clock.
 pub(crate) struct Clock {
     pace: Pace,
     tick_ns: u64,
     start: Instant,
-    /// Nanoseconds by which all deadlines are put off.
+    /// Nanoseconds by which all deadlines are postponed.
     put_off_ns: u64,
-    /// Nanoseconds since the Unix epoch at the start; 0 unless time is real.
+    /// Wall clock at the start, nanoseconds since the Unix epoch; 0 unless time is real.
     epoch_ns: i64,
 }
 
@@ -48,7 +49,7 @@ impl Clock {
         self.tick_ns
     }
 
-    /// Waits until a tick is due; how late it is then, in nanoseconds. Never late on simulated time.
+    /// Waits until a tick is due. Returns its lateness in nanoseconds; 0 on simulated time.
     pub(crate) fn wait(&mut self, tick: u64) -> u64 {
         let times = match self.pace {
             Pace::Simulated => return 0,
@@ -61,7 +62,7 @@ impl Clock {
         late
     }
 
-    /// Waits until so many nanoseconds have passed since the start; how many more have.
+    /// Waits until `due` nanoseconds after the start. Returns the lateness in nanoseconds.
     fn until(&self, due: u64) -> u64 {
         loop {
             let now = self.elapsed();
@@ -75,19 +76,19 @@ impl Clock {
         }
     }
 
-    /// Puts all later ticks off by so many periods.
+    /// Postpones all later ticks by a number of periods.
     pub(crate) fn put_off(&mut self, periods: u64) {
         let more = periods.saturating_mul(self.tick_ns);
         self.put_off_ns = self.put_off_ns.saturating_add(more);
     }
 
-    /// Begins anew: tick 0 is due now.
+    /// Restarts the clock: tick 0 is due now.
     pub(crate) fn restart(&mut self) {
         *self = Clock::start(self.pace, self.tick_ns);
     }
 
-    /// How much later than the next tick is due it is after one that began so late and took so long, nanoseconds. Only on
-    /// real time.
+    /// Returns the nanoseconds by which a tick with this lateness and duration ended after the next tick was due; 0
+    /// unless time is real.
     pub(crate) fn overrun(&self, late: u64, took: u64) -> u64 {
         match self.pace {
             Pace::Simulated | Pace::Faster(_) => 0,
@@ -95,7 +96,7 @@ impl Clock {
         }
     }
 
-    /// The wall clock that the commands of a tick see, nanoseconds since the Unix epoch.
+    /// Returns the wall clock of the commands in a tick, nanoseconds since the Unix epoch.
     pub(crate) fn wall_ns(&self, tick: u64) -> i64 {
         let since = match self.pace {
             Pace::Simulated | Pace::Faster(_) => self.tick_ns.saturating_mul(tick),

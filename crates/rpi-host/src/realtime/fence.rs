@@ -1,8 +1,9 @@
-//! A fence around the thread that ticks: the kernel forbids it every system call but those of the clock.
+//! System call filter (seccomp) of the tick thread: the kernel allows only the system calls of the clock.
 //!
-//! So that nothing on that thread asks the system for anything is not only looked for, but held: memory that must be fetched, a lock for
-//! which somebody waits, a file, a text that is printed all end in a system call, and the first one ends the process. A lock that
-//! is free and memory that the allocator has at hand take none: for these there is the allocation trap of the tests.
+//! The filter enforces that the thread never blocks in the kernel: fetching memory, waiting for a contended lock, file
+//! access and output all need a system call, and the first forbidden one ends the process. Uncontended locks and
+//! allocations that the allocator serves from free memory need no system call. The allocation trap of the tests detects
+//! those allocations.
 
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -11,7 +12,7 @@ use seccompiler::{BpfProgram, SeccompAction, SeccompFilter};
 
 use super::grant::Grant;
 
-/// What is left: to sleep, to read the clock where it takes a system call, to return from a signal, to end.
+/// Allowed system calls: sleep, read the clock, return from a signal handler, exit.
 const ALLOWED: [libc::c_long; 7] = [
     libc::SYS_clock_nanosleep,
     libc::SYS_nanosleep,
@@ -22,11 +23,13 @@ const ALLOWED: [libc::c_long; 7] = [
     libc::SYS_exit_group,
 ];
 
-/// What is asked for.
+/// Name of the filter in its [`Grant`].
 const WISH: &str = "no system call but the clock's";
 
-/// Forbids the calling thread all system calls but those of the clock, for good: another one ends the process with `SIGSYS`.
-/// A thread cannot leave such a fence, not even to give back what it has: it must sleep until the process ends.
+/// Permanently forbids the calling thread all system calls except those of the clock.
+///
+/// A forbidden system call ends the process with `SIGSYS`. The filter cannot be removed. The thread cannot even release
+/// its memory, so it must sleep until the process ends.
 #[must_use]
 pub fn fence() -> Grant {
     let refused = program().and_then(|program| {
@@ -39,13 +42,13 @@ pub fn fence() -> Grant {
     }
 }
 
-/// Whether this is the grant of a fence, and it is up.
+/// Returns true if the grant belongs to the system call filter and the filter is installed.
 #[must_use]
 pub fn is_fence_up(grant: &Grant) -> bool {
     grant.wish == WISH && grant.refused.is_none()
 }
 
-/// Sleeps until the process ends: a thread behind a fence can do nothing else in the end.
+/// Sleeps until the process ends. A thread with the system call filter cannot exit in another way.
 pub fn rest() -> ! {
     loop {
         std::thread::sleep(Duration::from_secs(3600));

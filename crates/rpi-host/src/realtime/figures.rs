@@ -1,38 +1,38 @@
-//! How long cycles took and how late they began.
+//! Statistics of the duration and lateness of ticks.
 
 use hdrhistogram::Histogram;
 use serde::Serialize;
 
 use super::overrun::Overruns;
 
-/// Longest time that is told apart, nanoseconds.
+/// Largest duration that the histograms distinguish, nanoseconds.
 const LONGEST: u64 = 60_000_000_000;
 
-/// Figures of a run.
+/// Timing statistics of a run.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Serialize)]
 pub struct Figures {
     /// Number of ticks.
     pub ticks: u64,
-    /// How long the ticks took, nanoseconds.
+    /// Duration of the ticks, nanoseconds.
     pub tick: Spread,
-    /// How late they began, nanoseconds; only on real time.
+    /// Lateness of the starts of the ticks, nanoseconds; only on real time.
     pub lateness: Option<Spread>,
-    /// Cycles that took too long; only on real time.
+    /// Statistics of overruns; only on real time.
     pub overruns: Option<Overruns>,
 }
 
-/// Percentiles, nanoseconds, exact to 1 %.
+/// Percentiles in nanoseconds, accurate to 1 %.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Serialize)]
 pub struct Spread {
-    /// Half of all are shorter.
+    /// Median.
     pub p50: u64,
-    /// 99 of 100 are shorter.
+    /// 99th percentile.
     pub p99: u64,
-    /// The longest.
+    /// Maximum.
     pub max: u64,
 }
 
-/// Figures while they are taken; recording neither allocates nor fails.
+/// Histograms of a run. Recording a value neither allocates nor fails.
 pub(crate) struct Meter {
     tick: Histogram<u64>,
     lateness: Option<Histogram<u64>>,
@@ -40,9 +40,9 @@ pub(crate) struct Meter {
 }
 
 impl Meter {
-    /// A meter that also takes lateness if asked to.
+    /// Creates empty histograms. `lateness` enables the histogram of lateness.
     pub(crate) fn new(lateness: bool) -> Meter {
-        // Two figures are exact to 1 %; these bounds are valid.
+        // Two significant digits give an accuracy of 1 %. These bounds are always valid.
         let histogram = || Histogram::new_with_bounds(1, LONGEST, 2).expect("valid bounds");
         Meter {
             tick: histogram(),
@@ -69,7 +69,7 @@ impl Meter {
 }
 
 impl Spread {
-    /// That of a histogram.
+    /// Returns the percentiles of a histogram.
     pub(crate) fn of(histogram: &Histogram<u64>) -> Spread {
         Spread {
             p50: histogram.value_at_quantile(0.5),

@@ -1,4 +1,4 @@
-//! Priority, memory and a core for the thread that ticks.
+//! Priority, locked memory and CPU affinity of the tick thread.
 
 use std::fmt;
 
@@ -10,18 +10,18 @@ use thread_priority::{
     set_thread_priority_and_policy, thread_native_id,
 };
 
-/// What is wanted of the system.
+/// Scheduling resources to request from the operating system.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Wanted {
-    /// Priority among the threads of the policy `SCHED_FIFO`, 1 to 99.
+    /// Priority under the policy `SCHED_FIFO`, 1 to 99.
     pub priority: u8,
-    /// The core to run on; else the last one that is allowed, if there are several: interrupts tend to be served by the
-    /// first.
+    /// CPU core of the thread. The default is the last allowed core if there are several, because interrupts are
+    /// usually served by the first.
     pub core: Option<usize>,
 }
 
 impl Default for Wanted {
-    /// Above what usual threads of interrupts have (50), below what the kernel needs for itself (99).
+    /// Priority 80: above the usual priority of interrupt threads (50), below that of the kernel (99).
     fn default() -> Self {
         Wanted {
             priority: 80,
@@ -30,12 +30,12 @@ impl Default for Wanted {
     }
 }
 
-/// What the system has said to a wish.
+/// Result of requesting one resource from the operating system.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Grant {
-    /// The wish.
+    /// Description of the requested resource.
     pub wish: String,
-    /// Why it was not granted, and what helps.
+    /// Reason of the refusal, with a hint for the user; `None` if the resource was granted.
     pub refused: Option<String>,
 }
 
@@ -48,7 +48,8 @@ impl fmt::Display for Grant {
     }
 }
 
-/// Asks for the calling thread. Memory is locked for the whole process, so that all of it is there before the first tick.
+/// Requests the resources for the calling thread. Memory is locked for the whole process, so that no page fault occurs
+/// in a tick.
 #[must_use]
 pub fn ask(wanted: Wanted) -> Vec<Grant> {
     let mut grants = vec![memory(), priority(wanted.priority)];
@@ -57,7 +58,8 @@ pub fn ask(wanted: Wanted) -> Vec<Grant> {
 }
 
 fn memory() -> Grant {
-    // With a limit, an allocation beyond it would fail later: then only what is there now is locked.
+    // With a memlock limit, `MLOCKALL_FUTURE` would make later allocations above the limit fail, so only current memory
+    // is locked.
     let unlimited = getrlimit(Resource::Memlock).current.is_none() || geteuid().is_root();
     let (what, wish) = match unlimited {
         true => (
@@ -66,7 +68,7 @@ fn memory() -> Grant {
         ),
         false => (
             MlockAllFlags::CURRENT,
-            "memory locked, but for what is loaded later",
+            "memory locked, except memory allocated later",
         ),
     };
     let locked = mlockall(what);
@@ -96,7 +98,7 @@ fn priority(priority: u8) -> Grant {
     }
 }
 
-/// A core of its own; nothing is said where there is but one.
+/// Pins the calling thread to a core. Returns `None` if there is only one core and none is requested.
 fn core(wanted: Option<usize>) -> Option<Grant> {
     let allowed = sched_getaffinity(None);
     let allowed = allowed.as_ref().ok();
@@ -112,7 +114,7 @@ fn core(wanted: Option<usize>) -> Option<Grant> {
                 .err()
                 .map(|why| why.to_string())
         }
-        false => Some(format!("this process may use the cores {cores:?}")),
+        false => Some(format!("this process is restricted to the cores {cores:?}")),
     };
     Some(Grant {
         wish: format!("core {core}"),

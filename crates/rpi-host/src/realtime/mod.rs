@@ -1,6 +1,6 @@
-//! The clock that a cycle follows, what it asks of the system, and what becomes of cycles that take too long.
+//! Tick clock, real-time resources of the tick thread, and overrun handling.
 //!
-//! This module must not know what the cycle does.
+//! This module must not depend on what the cycle computes.
 
 mod beat;
 mod clock;
@@ -19,21 +19,23 @@ pub use overrun::{OverrunPolicy, Overruns};
 pub use rpi_core::{Often, OnOverrun};
 pub(crate) use stopwatch::Stopwatch;
 
-/// What is asked of the system on real time, and what happens to cycles that take too long there.
+/// Options of real-time execution.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct RealTime {
-    /// For the thread that ticks.
+    /// Scheduling resources requested for the tick thread.
     pub wanted: Wanted,
-    /// After a cycle that ended when the next one was due already.
+    /// Policy for ticks that end after the next one was due.
     pub overrun: OverrunPolicy,
-    /// What becomes of the command that took the longest in such a cycle, where it was loaded without a policy of its own.
+    /// Overrun policy of commands that were loaded without one. It applies to the command that took the longest in an
+    /// overrun tick.
     pub commands: OnOverrun,
-    /// Whether the thread that ticks may make no system call but those of the clock: see [`fence()`].
+    /// Whether the tick thread is restricted to the system calls of the clock; see [`fence()`].
     pub fence: bool,
 }
 
-/// Asks the system for all of this for the calling thread, and puts up the fence if there is to be one. What a thread behind a
-/// fence does in the end is to [`rest()`].
+/// Requests all of these resources for the calling thread and installs the system call filter if it is enabled.
+///
+/// A thread with the filter must call [`rest()`] in the end.
 #[must_use]
 pub fn begin(real_time: RealTime) -> Vec<Grant> {
     let mut grants = ask(real_time.wanted);

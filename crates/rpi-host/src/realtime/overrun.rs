@@ -1,4 +1,4 @@
-//! Cycles that end after the next one was due.
+//! Overruns: ticks that end after the next one was due.
 
 use std::fmt;
 use std::str::FromStr;
@@ -6,23 +6,23 @@ use std::str::FromStr;
 use rpi_core::Often;
 use serde::Serialize;
 
-/// What happens then.
+/// Reaction to an overrun. Every policy counts overruns.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum OverrunPolicy {
-    /// It is counted, and the cycles that are late follow at once: as many as there would have been, closer together.
+    /// Late ticks follow immediately, with less than a period between them. No tick is dropped.
     #[default]
     CatchUp,
-    /// It is counted, and all later cycles are put off by whole periods: none follows at once.
+    /// All later ticks are postponed by whole periods, so that no tick follows immediately.
     Skip,
-    /// It is counted; once so many of the last so many cycles were too long, every command is ended and its devices stop on
-    /// their own. Until then late cycles follow at once.
+    /// All commands are ended once N of the last M ticks were overruns, and their devices brake. Until then late ticks
+    /// follow immediately.
     Stop(Often),
 }
 
 impl FromStr for OverrunPolicy {
     type Err = String;
 
-    /// `catch-up`, `skip`, `stop` (at the first one), `stop:3/10` (at the third of ten cycles).
+    /// Parses `catch-up`, `skip`, `stop` (at the first overrun) or `stop:N/M` (at N overruns within M cycles).
     fn from_str(text: &str) -> Result<Self, String> {
         match text {
             "catch-up" => return Ok(OverrunPolicy::CatchUp),
@@ -33,7 +33,7 @@ impl FromStr for OverrunPolicy {
         let most = Often::LONGEST;
         often.map(OverrunPolicy::Stop).ok_or_else(|| {
             format!(
-                "expected `catch-up`, `skip`, `stop` or `stop:N/M` with N of M cycles, M at most {most}"
+                "expected `catch-up`, `skip`, `stop` or `stop:N/M` (N overruns in M cycles, M at most {most})"
             )
         })
     }
@@ -49,35 +49,35 @@ impl fmt::Display for OverrunPolicy {
     }
 }
 
-/// What is known of overruns; counting neither allocates nor fails.
+/// Statistics of overruns. Counting neither allocates nor fails.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Serialize)]
 pub struct Overruns {
-    /// How many cycles ended after the next one was due.
+    /// Number of overruns.
     pub count: u64,
-    /// The first of them, as its tick from 0.
+    /// Tick of the first overrun, from 0.
     pub first: Option<u64>,
-    /// By how much the worst was too late, nanoseconds.
+    /// Largest overrun in nanoseconds.
     pub longest: u64,
-    /// Periods by which later cycles were put off.
+    /// Number of periods by which later ticks were postponed.
     pub skipped: u64,
-    /// The last cycles, the latest in the lowest bit.
+    /// Overrun bits of the last 64 ticks; the latest is the lowest bit.
     #[serde(skip)]
     history: u64,
 }
 
-/// What is to be done after a cycle.
+/// Action after a tick.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Verdict {
-    /// Nothing.
+    /// No action.
     GoOn,
-    /// Put all later cycles off by so many periods.
+    /// Postpone all later ticks by this number of periods.
     PutOff(u64),
-    /// End everything.
+    /// End all commands.
     Stop,
 }
 
 impl Overruns {
-    /// Takes in a cycle that ended `over` nanoseconds after the next one was due, 0 if it was in time.
+    /// Counts a tick that ended `over` nanoseconds after the next one was due (0 if in time) and returns the action.
     pub(super) fn judge(
         &mut self,
         tick: u64,

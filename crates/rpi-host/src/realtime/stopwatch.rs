@@ -1,21 +1,22 @@
-//! Which command of a tick takes the longest to compute.
+//! Measures which command takes the longest in a tick.
 
 use std::time::Instant;
 
 use rpi_core::CommandId;
 
-/// Told whenever another command begins to be computed; nothing in it allocates, and it calls nothing but the clock.
+/// Measures the time of each command from the notifications of [`Stopwatch::turn`]. No method allocates; the only call
+/// is that of the clock.
 #[derive(Debug, Default)]
 pub(crate) struct Stopwatch {
-    /// Nobody wants to know: the clock is not asked.
+    /// True if measurement is disabled. The clock is then never read.
     stands_still: bool,
-    /// Who is computed, and since when.
+    /// Command that is being computed and its start time.
     running: Option<(CommandId, Instant)>,
     longest: Option<(CommandId, u64)>,
 }
 
 impl Stopwatch {
-    /// One that goes, or one that stands still.
+    /// Creates a stopwatch. If `goes` is false, measurement is disabled.
     pub(crate) fn new(goes: bool) -> Stopwatch {
         Stopwatch {
             stands_still: !goes,
@@ -23,12 +24,12 @@ impl Stopwatch {
         }
     }
 
-    /// A tick begins.
+    /// Starts a tick: discards the measurements of the previous one.
     pub(crate) fn reset(&mut self) {
         (self.running, self.longest) = (None, None);
     }
 
-    /// This command is computed from now on, or none.
+    /// Ends the measurement of the current command and starts that of the next one, if any.
     pub(crate) fn turn(&mut self, next: Option<CommandId>) {
         if self.stands_still {
             return;
@@ -43,7 +44,7 @@ impl Stopwatch {
         self.running = next.map(|id| (id, now));
     }
 
-    /// Who has taken the longest in this tick, and how many nanoseconds.
+    /// Returns the command that took the longest in this tick, with its time in nanoseconds.
     pub(crate) fn longest(&self) -> Option<(CommandId, u64)> {
         self.longest
     }

@@ -1,11 +1,11 @@
-//! One number for all that the devices did: runs with the same number had the same bits in every tick.
+//! Digest of the device values of a run. Runs with equal digests had the same bits in every tick.
 
 use rpi_image::hash::Fnv;
 
 use crate::run::{Channel, Sink, Source};
 
-/// Takes in every sample of the devices: channel, tick, presence, value. What commands publish is left out, as it may tell
-/// the time of day.
+/// Sink that hashes every sample of the devices: channel, tick, presence, value. Flows of commands are left out because
+/// they may depend on the time of day.
 #[derive(Default)]
 pub struct Digest {
     devices: Vec<bool>,
@@ -13,7 +13,7 @@ pub struct Digest {
 }
 
 impl Digest {
-    /// The number, in 16 hexadecimal digits.
+    /// Returns the digest as 16 hexadecimal digits.
     #[must_use]
     pub fn digits(&self) -> String {
         format!("{:016x}", self.hash.finish())

@@ -1,15 +1,15 @@
-//! Picking rows out of a recording or a trace.
+//! Selection of rows from a sample file or a trace.
 
 use std::io::{self, Write};
 
 use serde_json::Value;
 
-/// Which rows are wanted.
+/// Selection by flow and cycle.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Filter {
-    /// Patterns for names of flows, in which `*` stands for any text; none for all.
+    /// Patterns for the names of flows; `*` matches any text. An empty list selects all flows.
     pub flows: Vec<String>,
-    /// The first cycle and the one after the last.
+    /// Range of cycles.
     pub cycles: std::ops::Range<u64>,
 }
 
@@ -20,11 +20,11 @@ impl Filter {
     }
 }
 
-/// Copies the rows that are wanted, in the form that they have: comma- or tab-separated, or JSON lines. Headers are
-/// kept. The result is the number of rows.
+/// Copies the selected rows without changing their format: comma-separated, tab-separated or JSON lines. Headers are
+/// kept. Returns the number of copied rows.
 ///
 /// # Errors
-/// Those of the writer.
+/// Returns the I/O errors of the writer.
 pub fn copy(text: &str, filter: &Filter, out: &mut dyn Write) -> io::Result<u64> {
     let mut rows = 0;
     for line in text.lines() {
@@ -38,7 +38,7 @@ pub fn copy(text: &str, filter: &Filter, out: &mut dyn Write) -> io::Result<u64>
     Ok(rows)
 }
 
-/// Cycle and flow of a row; none for a header.
+/// Parses the cycle and flow of a row; `None` for a header.
 fn row(line: &str) -> Option<(u64, String)> {
     if line.starts_with('{') {
         let object: Value = serde_json::from_str(line).ok()?;
@@ -59,7 +59,7 @@ fn row(line: &str) -> Option<(u64, String)> {
     }
 }
 
-/// The flow in `flow,value`, or in `primitive,type,port,value` of a recording of the reference system.
+/// Parses the flow of `flow,value`, or of `primitive,type,port,value` from a recording of the reference system.
 fn flow(rest: &str) -> Option<String> {
     if let Some(quoted) = rest.strip_prefix('"') {
         return Some(quoted.split("\",").next()?.replace("\"\"", "\""));
@@ -72,7 +72,7 @@ fn flow(rest: &str) -> Option<String> {
     }
 }
 
-/// True if a name fits a pattern in which `*` stands for any text.
+/// Returns true if a name matches a pattern in which `*` stands for any text.
 fn fits(pattern: &str, name: &str) -> bool {
     let Some((start, rest)) = pattern.split_once('*') else {
         return pattern == name;

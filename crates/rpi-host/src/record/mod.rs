@@ -1,7 +1,7 @@
-//! Recordings: what a run's samples are written to.
+//! Output formats for the samples of a run.
 //!
-//! A recording has one row per flow and cycle: the number of the tick (from 0), the flow's name, its value in the text
-//! form of nets ([`rpi_net::literal`]), `null` for an absent one.
+//! A file has one row per flow and cycle: the number of the tick (from 0), the name of the flow, and its value in the
+//! text format of nets ([`rpi_net::literal`]); `null` for an absent value.
 
 mod digest;
 mod filter;

@@ -1,15 +1,15 @@
-//! A run as a picture: keeps what the arms did.
+//! Builds the picture of a run from the motion of its devices.
 
 use std::collections::BTreeMap;
 
 use crate::plot::{Chart, Line, Picture, SpacePath, Spell};
 use crate::run::{Channel, Outcome, RunEnd, Sink, Source};
 
-/// Keeps the ways of the arms and the switches of the outputs.
+/// Sink that collects the paths of the arms and the states of the digital outputs.
 #[derive(Default)]
 pub struct Motion {
     channels: Vec<Channel>,
-    /// Tick and first three cells of each sample that matters, by channel.
+    /// Tick and first three memory words of each collected sample, by channel.
     kept: BTreeMap<usize, Vec<(u64, [u64; 3])>>,
 }
 
@@ -33,7 +33,7 @@ impl Sink for Motion {
 }
 
 impl Motion {
-    /// The picture of the run with this outcome.
+    /// Returns the picture of the run with this outcome.
     #[must_use]
     pub fn picture(&self, title: &str, outcome: &Outcome) -> Picture {
         let dt = outcome.tick_ns as f64 * 1e-9;
@@ -68,14 +68,14 @@ impl Motion {
         }
     }
 
-    /// The devices that have such a port, in the order of the cell.
+    /// Returns the devices that have this port, in the order of the cell.
     fn devices(&self, wanted: &str) -> Vec<&str> {
         let mut devices: Vec<&str> = self.of(wanted).map(|(device, ..)| device).collect();
         devices.dedup();
         devices
     }
 
-    /// Device, index and samples of all channels of a port.
+    /// Returns device, port index and samples of all channels of a port.
     fn of(&self, wanted: &str) -> impl Iterator<Item = (&str, usize, &[(u64, [u64; 3])])> {
         let kept = self.kept.iter();
         kept.filter_map(
@@ -117,7 +117,7 @@ impl Motion {
         )
     }
 
-    /// Outputs one above the other, so that none hides another.
+    /// Returns the digital outputs with one offset per line, so that no line hides another.
     fn switches(&self, device: &str, dt: f64) -> Vec<Line> {
         let mut lines = self.lines(SWITCH, device, ("output", |cell| cell as f64), dt);
         for (k, line) in lines.iter_mut().enumerate() {
@@ -145,7 +145,7 @@ fn chart(title: String, lines: Vec<Line>) -> Chart {
     Chart { title, lines }
 }
 
-/// The slope of a line from sample to sample.
+/// Returns the slope of a line between successive samples.
 fn velocity(line: &Line) -> Line {
     let slope = |w: &[(f64, f64)]| (w[1].0, (w[1].1 - w[0].1) / (w[1].0 - w[0].0));
     Line {

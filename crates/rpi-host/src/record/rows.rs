@@ -1,4 +1,4 @@
-//! Recordings as rows: comma-separated, or one JSON object per line.
+//! Writes samples as rows: comma-separated, or one JSON object per line.
 
 use std::io::{self, Write};
 
@@ -7,17 +7,17 @@ use serde_json::json;
 
 use crate::run::{Channel, Sink, Source};
 
-/// The form of a recording.
+/// Format of the rows.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Form {
-    /// `cycle,flow,value` with a header; values with commas in quotes (RFC 4180).
+    /// `cycle,flow,value` with a header line. Values that contain commas are quoted (RFC 4180).
     Csv,
-    /// `{"cycle":0,"flow":"..","value":..}` per line; numbers and truth values as JSON has them.
+    /// `{"cycle":0,"flow":"..","value":..}` per line. Numbers and Booleans are JSON values.
     JsonLines,
 }
 
 impl Form {
-    /// The form of a file by its name: JSON lines for `.jsonl` and `.ndjson`, else comma-separated.
+    /// Returns the format for a file name: JSON lines for `.jsonl` and `.ndjson`, otherwise comma-separated.
     #[must_use]
     pub fn of(name: &str) -> Form {
         match name.rsplit_once('.') {
@@ -27,17 +27,17 @@ impl Form {
     }
 }
 
-/// Writes each sample as a row.
+/// Sink that writes each sample as a row.
 pub struct Rows<W: Write> {
     out: W,
     form: Form,
     channels: Vec<Channel>,
-    /// The first error of the writer; nothing is written after it.
+    /// First error of the writer. Nothing is written after it.
     failed: Option<io::Error>,
 }
 
 impl<W: Write> Rows<W> {
-    /// Begins a recording.
+    /// Creates a sink and writes the header.
     pub fn new(out: W, form: Form) -> Rows<W> {
         let mut rows = Rows {
             out,
@@ -51,10 +51,10 @@ impl<W: Write> Rows<W> {
         rows
     }
 
-    /// Ends a recording.
+    /// Flushes the writer.
     ///
     /// # Errors
-    /// The first error of the writer.
+    /// Returns the first error of the writer.
     pub fn finish(mut self) -> io::Result<()> {
         match self.failed {
             Some(error) => Err(error),
@@ -92,7 +92,7 @@ impl<W: Write> Sink for Rows<W> {
     }
 }
 
-/// A field in quotes, if it needs them.
+/// Quotes a field if necessary.
 fn quoted(field: &str) -> String {
     match field.contains([',', '"', '\n']) {
         true => format!("\"{}\"", field.replace('"', "\"\"")),

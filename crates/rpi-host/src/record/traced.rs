@@ -1,4 +1,4 @@
-//! A run as a trace: what `rpi replay` reads.
+//! Writes a run as a trace that `rpi replay` can read.
 
 use std::io::{self, Write};
 
@@ -7,19 +7,19 @@ use rpi_net::literal;
 use crate::run::{Channel, Sink, Source};
 use crate::trace::TraceWriter;
 
-/// Writes the ports of one command as a trace; the first tick is cycle 1.
+/// Sink that writes the ports of one command as a trace. The first tick is cycle 1.
 pub struct Traced<W: Write> {
     out: TraceWriter<W>,
     channels: Vec<Channel>,
-    /// The first error of the writer; nothing is written after it.
+    /// First error of the writer. Nothing is written after it.
     failed: Option<io::Error>,
 }
 
 impl<W: Write> Traced<W> {
-    /// Begins a trace of a command whose clock stands at `start_ms` in its first cycle.
+    /// Starts the trace of a command whose clock is `start_ms` in its first cycle.
     ///
     /// # Errors
-    /// Those of the writer.
+    /// Returns the I/O errors of the writer.
     pub fn new(out: W, start_ms: i64) -> io::Result<Traced<W>> {
         Ok(Traced {
             out: TraceWriter::new(out, start_ms)?,
@@ -28,10 +28,10 @@ impl<W: Write> Traced<W> {
         })
     }
 
-    /// Ends the trace.
+    /// Finishes the trace.
     ///
     /// # Errors
-    /// The first error of the writer.
+    /// Returns the first error of the writer.
     pub fn finish(self) -> io::Result<()> {
         match self.failed {
             Some(error) => Err(error),

@@ -1,7 +1,7 @@
-//! Requests as JSON, there and back.
+//! Encodes requests as JSON and decodes them.
 //!
-//! `{"ticket":7,"ask":"start","command":4294967297}`. Commands and rules have their numbers; words of values and rules are
-//! hexadecimal texts, since JSON readers keep 53 bits of a number.
+//! Example: `{"ticket":7,"ask":"start","command":4294967297}`. Commands and rules are written as numbers. The 64-bit
+//! words of values and rules are written as hexadecimal strings, because JSON readers keep only 53 bits of a number.
 
 use std::sync::Arc;
 
@@ -15,7 +15,7 @@ use super::recorder::{policy_by_word, word_of_policy};
 use super::told::{why_by_word, word_of};
 use crate::control::{Asked, Request, Setting, Subscription, Ticket};
 
-/// A request as a JSON object.
+/// Encodes a request as a JSON object.
 pub(super) fn write(ticket: Ticket, asked: &Asked, names: &Names) -> Value {
     let about = |ask: &str, id: &CommandId| json!({ "ask": ask, "command": id.number(), "name": names.of_command(*id) });
     let mut object = match asked {
@@ -63,18 +63,18 @@ fn hexadecimal(words: &[u64]) -> Vec<String> {
     words.iter().map(|word| format!("{word:x}")).collect()
 }
 
-/// What requests are made again with.
+/// Decodes recorded requests so that they can be made again.
 pub(super) struct Maker<'a> {
-    /// The images by their numbers.
+    /// Images of the recording, indexed by their numbers.
     pub(super) images: &'a [Arc<Image>],
-    /// Resolves names of ports.
+    /// Device bank that resolves the names of ports.
     pub(super) bank: &'a mut dyn DeviceBank,
-    /// As it was.
+    /// Default continuity policy of the recorded core.
     pub(super) continuity: Continuity,
 }
 
 impl Maker<'_> {
-    /// The request behind a JSON object; none if it is none.
+    /// Decodes a request from a JSON object; `None` if the object is not a valid request.
     pub(super) fn read(&mut self, object: &Value) -> Option<(Ticket, Request<()>)> {
         let ticket = Ticket(object["ticket"].as_u64()?);
         let command = || object["command"].as_u64().map(CommandId::from_number);
@@ -96,7 +96,7 @@ impl Maker<'_> {
                 Request::Set(settings.collect::<Option<_>>()?)
             }
             "subscribe" => {
-                // Nobody takes these samples: what the flows carried is on the tape.
+                // The samples are discarded: the values of the flows are on the tape.
                 let subscription = Subscription::new(command()?, &[], object["every"].as_u64()?);
                 Request::Subscribe(Box::new(subscription))
             }
@@ -109,7 +109,7 @@ impl Maker<'_> {
     fn load(&mut self, object: &Value) -> Option<Box<Command>> {
         let image = usize::try_from(object["image"].as_u64()?).ok()?;
         let mut command = Command::load(Arc::clone(self.images.get(image)?), self.bank).ok()?;
-        // Recordings before servers had one policy for all.
+        // Older recordings have no policy per command, only one for the whole core.
         let own = object["on_jump"].as_str().and_then(policy_by_word);
         command.guard(own.unwrap_or(self.continuity));
         let on_overrun = object["on_overrun"].as_str().and_then(|p| p.parse().ok());

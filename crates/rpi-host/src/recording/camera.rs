@@ -1,4 +1,4 @@
-//! The cycle's end of a recording of a core whose commands are not known beforehand.
+//! Recording of a core whose commands are not known in advance: the part that runs in the cycle.
 
 use std::io;
 
@@ -11,11 +11,13 @@ use crate::control::{Control, Executive};
 use crate::run::{DeviceTap, Sights, sample, taps};
 use crate::tape::{TapeIn, Taped, tape};
 
-/// Records a core with its devices from now on: what its cycle is to do, and what its host is to tell. `continuity` is the
-/// policy where a command has none of its own.
+/// Starts recording a core and its devices.
+///
+/// Returns the recorder for the host and the camera for the cycle. `continuity` is the policy of commands that have
+/// none of their own.
 ///
 /// # Errors
-/// Those of the file, and of the system if it gives no thread.
+/// Returns the errors of the output, and an error if no thread can be created.
 pub fn record(
     wanted: Wanted,
     cell: &Cell,
@@ -35,8 +37,8 @@ pub fn record(
     Ok((recorder, camera))
 }
 
-/// Takes in each tick what is to be recorded. It allocates nothing, and waits for nobody: a tick for which there is no
-/// room is lost, and counted.
+/// Records each tick from within the cycle. It never allocates or blocks. A tick that does not fit on the tape is
+/// dropped and counted.
 pub struct Camera {
     tape: TapeIn,
     sights: Sights,
@@ -44,7 +46,7 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// One tick; `watch` looks on as well.
+    /// Executes one tick of the executive and records its flows. `watch` observes the tick as well.
     pub fn tick(
         &mut self,
         executive: &mut Executive<Taped<SimBank>>,
@@ -56,13 +58,13 @@ impl Camera {
         executive.tick(wall_ns, &mut both);
     }
 
-    /// Ends all commands after a tick.
+    /// Ends all commands after a tick and records the reason.
     pub fn halt(&mut self, executive: &mut Executive<Taped<SimBank>>, why: Why) {
         executive.plant().halt(number_of(why));
         executive.halt(why);
     }
 
-    /// The tick has ended too late: as [`Executive::too_late`].
+    /// Records that the tick ended too late, then calls [`Executive::too_late`].
     pub fn too_late(
         &mut self,
         executive: &mut Executive<Taped<SimBank>>,
@@ -72,7 +74,7 @@ impl Camera {
         executive.too_late(late)
     }
 
-    /// The tick of this number is over: records it.
+    /// Records the tick with this number once it has ended.
     pub fn take(
         &mut self,
         executive: &mut Executive<Taped<SimBank>>,
@@ -90,14 +92,14 @@ impl Camera {
         }
     }
 
-    /// How many ticks were lost.
+    /// Returns the number of ticks that were lost.
     #[must_use]
     pub fn lost(&self) -> u64 {
         self.tape.lost()
     }
 }
 
-/// Two who look on.
+/// Forwards each notification to two observers.
 struct Both<'a>(&'a mut Sights, &'a mut dyn Watch);
 
 impl Watch for Both<'_> {

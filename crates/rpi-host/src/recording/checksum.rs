@@ -1,29 +1,29 @@
-//! Whether a file of MCAP is what was written: its checksums, looked at before anything in it is believed.
+//! Integrity check of an MCAP file: verifies its checksums before its content is read.
 //!
-//! <https://mcap.dev/spec>: the record at the end of the data has one over all before it; the footer has one over the summary
-//! that follows, and over itself. Together they hold every byte.
+//! See <https://mcap.dev/spec>: the data-end record holds the checksum of everything before it. The footer holds the
+//! checksum of the summary section and of itself. Together they cover every byte.
 
 use crc32fast::hash as crc32;
 
 const MAGIC: &[u8] = b"\x89MCAP0\r\n";
-/// A record begins with its kind and its length.
+/// Length of a record header in bytes: the opcode and the length.
 const HEAD: usize = 1 + 8;
 const DATA_END: u8 = 0x0f;
 const FOOTER: u8 = 0x02;
-/// What is in the footer: where the summary begins, where its offsets do, its checksum.
+/// Length of the footer in bytes: start of the summary, start of the summary offsets, checksum.
 const FOOTER_LEN: usize = 8 + 8 + 4;
 const CRC_LEN: usize = 4;
 
-/// Checks every byte of a file.
+/// Verifies the checksums over all bytes of a file.
 ///
 /// # Errors
-/// What is wrong with it.
+/// Returns a description of the damage.
 pub(super) fn check(bytes: &[u8]) -> Result<(), &'static str> {
     let inner = bytes.strip_suffix(MAGIC).filter(|b| b.starts_with(MAGIC));
-    let inner = inner.ok_or("it does not begin and end as one")?;
+    let inner = inner.ok_or("the file does not start and end with the MCAP magic bytes")?;
     let footer = inner.len().checked_sub(HEAD + FOOTER_LEN);
-    let footer = footer.ok_or("it has no footer")?;
-    let about = record(inner, footer, FOOTER, FOOTER_LEN).ok_or("it has no footer")?;
+    let footer = footer.ok_or("the file has no footer")?;
+    let about = record(inner, footer, FOOTER, FOOTER_LEN).ok_or("the file has no footer")?;
     let summary = match number(&about[..8]) {
         0 => footer,
         at => usize::try_from(at).unwrap_or(usize::MAX),
@@ -31,7 +31,7 @@ pub(super) fn check(bytes: &[u8]) -> Result<(), &'static str> {
     let data_end = summary.checked_sub(HEAD + CRC_LEN);
     let saved = data_end.and_then(|at| record(inner, at, DATA_END, CRC_LEN));
     let (Some(saved), Some(data_end)) = (saved, data_end) else {
-        return Err("its data have no end");
+        return Err("the data section has no end record");
     };
     let end = inner.len() - CRC_LEN;
     match (
@@ -39,19 +39,19 @@ pub(super) fn check(bytes: &[u8]) -> Result<(), &'static str> {
         u64::from(crc32(&inner[summary..end])) == number(&inner[end..]),
     ) {
         (true, true) => Ok(()),
-        (false, _) => Err("the checksum of its data does not fit"),
-        (true, false) => Err("the checksum of its summary does not fit"),
+        (false, _) => Err("the checksum of the data section is wrong"),
+        (true, false) => Err("the checksum of the summary section is wrong"),
     }
 }
 
-/// What is in the record of this kind and length that begins at a place.
+/// Returns the content of the record at offset `at` if it has this kind and length.
 fn record(bytes: &[u8], at: usize, kind: u8, len: usize) -> Option<&[u8]> {
     let head = bytes.get(at..at.checked_add(HEAD)?)?;
     let fits = head[0] == kind && number(&head[1..]) == len as u64;
     bytes.get(at + HEAD..at + HEAD + len).filter(|_| fits)
 }
 
-/// At most eight bytes, the low one first.
+/// Decodes a little-endian number of at most eight bytes.
 fn number(bytes: &[u8]) -> u64 {
     let bytes = bytes.iter().rev();
     bytes.fold(0, |number, byte| number << 8 | u64::from(*byte))
@@ -61,7 +61,7 @@ fn number(bytes: &[u8]) -> u64 {
 mod tests {
     use super::*;
 
-    /// The check value that catalogues of such sums give for this one.
+    /// Check value of CRC-32 from the catalogue of parametrised CRC algorithms.
     #[test]
     fn the_sum_is_the_usual_one() {
         assert_eq!(crc32(b"123456789"), 0xcbf4_3926);

@@ -1,22 +1,22 @@
-//! Why a recording cannot be run again.
+//! Errors of reading and replaying recordings.
 
 use std::fmt;
 
 use rpi_diag::Code;
 
-/// Why a recording cannot be run again.
+/// A recording that cannot be read or replayed.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum RecordingError {
-    /// It is no MCAP file, or does not go on as one: it was cut off, or bytes of it have changed.
+    /// The file is not a valid MCAP file: it is truncated or damaged.
     Broken(String),
-    /// It is one, but not of ours, or of another form.
+    /// The file is valid MCAP, but was not written by RPI or has an unsupported format version.
     Foreign(String),
-    /// Something that is needed is not in it.
+    /// A required part is missing.
     Missing(String),
 }
 
 impl RecordingError {
-    /// The code under which the manual speaks of it.
+    /// Returns the code of the error in the manual.
     #[must_use]
     pub fn code(&self) -> Code {
         Code::RPI9021
@@ -28,9 +28,9 @@ impl fmt::Display for RecordingError {
         write!(f, "{}: ", self.code())?;
         match self {
             RecordingError::Broken(why) => {
-                write!(f, "the recording is cut off or damaged: {why}")
+                write!(f, "the recording is truncated or damaged: {why}")
             }
-            RecordingError::Foreign(what) => write!(f, "this is no recording of ours: {what}"),
+            RecordingError::Foreign(what) => write!(f, "this is not an RPI recording: {what}"),
             RecordingError::Missing(what) => write!(f, "the recording has no {what}"),
         }
     }

@@ -1,4 +1,4 @@
-//! A recording as a file: topics, messages, attachments of MCAP (<https://mcap.dev/spec>).
+//! Recording file: topics, messages and attachments in MCAP (<https://mcap.dev/spec>).
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -9,25 +9,25 @@ use mcap::records::{MessageHeader, Metadata};
 use mcap::{Attachment, McapError, WriteOptions, Writer};
 use serde_json::{Value, json};
 
-/// Where a recording goes.
+/// Destination of a recording.
 pub trait Output: Write + Seek + Send {}
 
 impl<T: Write + Seek + Send> Output for T {}
 
-/// The file under way.
+/// An MCAP file that is being written.
 pub(super) struct File {
     mcap: Writer<Watched>,
-    /// What the output has said first against being written to.
+    /// First write error of the output.
     trouble: Trouble,
     topics: BTreeMap<String, (u16, u32)>,
 }
 
-/// An error of the output, as it was: the writer of the format wraps it, now in this way and now in that.
+/// First I/O error of the output. The MCAP writer wraps I/O errors in different ways, so the original is kept here.
 #[derive(Clone, Default)]
 struct Trouble(Arc<Mutex<Option<io::Error>>>);
 
 impl Trouble {
-    /// Keeps the first error, and hands on one that is like it.
+    /// Stores the first error and returns a copy of it.
     fn note<T>(&self, done: io::Result<T>) -> io::Result<T> {
         done.map_err(|error| {
             let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
@@ -39,7 +39,7 @@ impl Trouble {
         })
     }
 
-    /// Why something could not be written: the output's own reason, if it has one.
+    /// Returns the stored error of the output, if any, and otherwise the error of the MCAP writer.
     fn cause(&self, error: McapError) -> io::Error {
         let kept = self.0.lock().unwrap_or_else(PoisonError::into_inner).take();
         kept.unwrap_or_else(|| match error {
@@ -49,7 +49,7 @@ impl Trouble {
     }
 }
 
-/// An output whose first error is kept.
+/// Output that stores its first error.
 struct Watched {
     out: Box<dyn Output>,
     trouble: Trouble,
@@ -72,7 +72,9 @@ impl Seek for Watched {
 }
 
 impl File {
-    /// Begins a file. It is not compressed: compression would need a C library, and tools for MCAP compress afterwards.
+    /// Creates a recording file.
+    ///
+    /// The file is not compressed: compression would require a C library, and MCAP tools can compress it later.
     pub(super) fn create(out: Box<dyn Output>) -> io::Result<File> {
         let options = WriteOptions::new()
             .compression(None)
@@ -90,14 +92,14 @@ impl File {
         })
     }
 
-    /// Makes a topic of JSON objects with these properties, if there is none of this name.
+    /// Adds a topic of JSON objects with these properties, unless the topic exists.
     pub(super) fn json_topic(&mut self, topic: &str, properties: Value) -> io::Result<()> {
         let schema = json!({ "type": "object", "properties": properties });
         let schema = ("jsonschema", schema.to_string().into_bytes());
         self.topic(topic, "json", schema)
     }
 
-    /// Makes a topic of messages in a form of our own, which a text describes.
+    /// Adds a topic of messages in an RPI-specific binary format. `text` documents the format.
     pub(super) fn binary_topic(&mut self, topic: &str, form: &str, text: &str) -> io::Result<()> {
         self.topic(topic, form, (form, text.as_bytes().to_vec()))
     }
@@ -115,7 +117,7 @@ impl File {
         Ok(())
     }
 
-    /// Writes a message; nothing to a topic that was not made.
+    /// Writes a message. Messages to unknown topics are dropped.
     pub(super) fn message(&mut self, topic: &str, time: u64, data: &[u8]) -> io::Result<()> {
         let Some((channel_id, sequence)) = self.topics.get_mut(topic) else {
             return Ok(());
@@ -131,7 +133,7 @@ impl File {
         written.map_err(|error| self.trouble.cause(error))
     }
 
-    /// Attaches a file.
+    /// Writes an attachment.
     pub(super) fn attach(&mut self, name: &str, media: &str, data: &[u8]) -> io::Result<()> {
         let attachment = Attachment {
             log_time: 0,
@@ -144,7 +146,7 @@ impl File {
         written.map_err(|error| self.trouble.cause(error))
     }
 
-    /// Writes keys with values.
+    /// Writes a metadata record.
     pub(super) fn metadata(&mut self, name: &str, keys: &[(&str, String)]) -> io::Result<()> {
         let keys = keys.iter().map(|(k, v)| ((*k).to_owned(), v.clone()));
         let metadata = Metadata {
@@ -155,7 +157,7 @@ impl File {
         written.map_err(|error| self.trouble.cause(error))
     }
 
-    /// Ends the file.
+    /// Writes the summary and footer and flushes the output.
     pub(super) fn finish(mut self) -> io::Result<()> {
         let finished = self.mcap.finish();
         finished.map_err(|error| self.trouble.cause(error))?;

@@ -1,7 +1,8 @@
-//! Values of flows as JSON, and what their JSON looks like, as JSON schema.
+//! JSON encoding of flow values, and the JSON schema of each type.
 //!
-//! Names and nesting of structured values are those that viewers of robot data know: `position` and `orientation`, `linear` and
-//! `angular`, `force` and `torque`. A real that JSON has no number for is a text: `nan`, `inf`, `-inf`.
+//! Structured values use the field names and nesting that viewers of robot data expect: `position` and `orientation`,
+//! `linear` and `angular`, `force` and `torque`. A real number that JSON cannot represent is a string: `nan`, `inf`,
+//! `-inf`.
 
 use std::fmt::Write;
 
@@ -11,10 +12,10 @@ use serde_json::{Value, json};
 const VECTOR: &[&str] = &["x", "y", "z"];
 const QUATERNION: &[&str] = &["x", "y", "z", "w"];
 
-/// The parts of a value that is made of reals: a name, and the names of its reals.
+/// A part of a structured value: its name and the names of its real components.
 type Part = (&'static str, &'static [&'static str]);
 
-/// The parts of a scalar; a single part without a name is the value itself.
+/// Returns the parts of a scalar. A single part without a name is the value itself.
 fn parts(scalar: Scalar) -> &'static [Part] {
     match scalar {
         Scalar::Bool | Scalar::Int | Scalar::Real | Scalar::Time => &[],
@@ -26,7 +27,7 @@ fn parts(scalar: Scalar) -> &'static [Part] {
     }
 }
 
-/// Writes a value; `null` for an absent one.
+/// Appends the JSON of a value to `out`; `null` if the value is absent.
 pub(super) fn write(out: &mut String, value: Option<&[u64]>, ty: Type) {
     match (value, ty) {
         (Some(cells), Type::One(scalar)) => one(out, cells, scalar),
@@ -101,7 +102,7 @@ fn structured(out: &mut String, mut cells: &[u64], parts: &[Part]) {
     out.push_str(if nested { "}" } else { "" });
 }
 
-/// What the JSON of a type looks like.
+/// Returns the JSON schema of a type.
 pub(super) fn schema(ty: Type) -> Value {
     let array = |items: Value| json!({ "type": "array", "items": items });
     match ty {
@@ -130,22 +131,22 @@ fn scalar_schema(scalar: Scalar) -> Value {
     }
 }
 
-/// A JSON object under way.
+/// A JSON object that is being written.
 pub(super) struct Object(String);
 
 impl Object {
-    /// An object whose first field is the number of a cycle.
+    /// Starts an object whose first field is the cycle number.
     pub(super) fn of_cycle(cycle: u64) -> Object {
         Object(format!("{{\"cycle\":{cycle}"))
     }
 
-    /// Adds a field.
+    /// Appends a field.
     pub(super) fn field(&mut self, name: &str, value: Option<&[u64]>, ty: Type) {
         let _ = write!(self.0, ",{}:", Value::from(name));
         write(&mut self.0, value, ty);
     }
 
-    /// The text.
+    /// Closes the object and returns its text.
     pub(super) fn finish(mut self) -> String {
         self.0.push('}');
         self.0
@@ -166,7 +167,7 @@ mod tests {
         value["v"].clone()
     }
 
-    /// O6: what was recorded is read as it was written, to the last bit.
+    /// O6: a recorded value is read back with the same bits.
     #[test]
     fn numbers_come_back_as_they_were() {
         let mut bits = 1_u64;

@@ -1,22 +1,22 @@
-//! Recordings: everything that a control core did, in an MCAP file that viewers open and that can be run again.
+//! Recordings of everything a control core did: MCAP files that viewers can open and that can be replayed.
 //!
 //! ```text
-//! cycle thread: Taped devices, Watcher -> tape (bounded ring, losses counted) -> Scribe (a thread) -> MCAP
-//! host:         requests before they leave, events as they come ------------------^
+//! cycle thread: Taped devices, Watcher -> tape (bounded ring, losses are counted) -> Scribe (a thread) -> MCAP
+//! host:         requests before they are sent, events as they arrive -----------------^
 //! ```
-//! | in the file | what it is |
+//! | in the file | content |
 //! |---|---|
-//! | `/command/NAME` | exported flows of a command, JSON, each cycle |
-//! | `/sensors/DEVICE`, `/set_points/DEVICE` | what commands read of a device and handed over to it, JSON |
-//! | `/device/DEVICE` | where a device is after each tick, JSON |
-//! | `/events` | starts, ends, switches, faults, answers to requests, losses, JSON |
-//! | `/rpi/requests` | what was asked of the core, JSON |
-//! | `/rpi/tape` | the [tape](crate::tape): each tick bit for bit |
-//! | attachments | the cell, the program's text, the images |
-//! | metadata `rpi`, `rpi-end` | tick, policy, program; how many ticks were written and lost |
+//! | `/command/NAME` | exported flows of a command in each cycle, JSON |
+//! | `/sensors/DEVICE`, `/set_points/DEVICE` | values that commands read from a device and set-points that they wrote to it, JSON |
+//! | `/device/DEVICE` | state of a device after each tick, JSON |
+//! | `/events` | starts, ends, takeovers, faults, answers to requests, lost ticks, JSON |
+//! | `/rpi/requests` | requests to the core, JSON |
+//! | `/rpi/tape` | the [tape](crate::tape): bit-exact log of each tick |
+//! | attachments | cell description, source of the program, images |
+//! | metadata `rpi`, `rpi-end` | tick length, policy, program; number of ticks written and lost |
 //!
-//! [`rerun()`] makes the same requests in the same ticks of a core whose devices are the tape, and compares every flow,
-//! set-point and event. This module must not know how programs are compiled.
+//! [`rerun()`] replays a recording: it makes the same requests in the same ticks on a core whose devices are the tape,
+//! and compares every flow, set-point and event. This module must not depend on the compiler.
 
 mod asked;
 mod camera;

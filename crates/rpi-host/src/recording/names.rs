@@ -1,4 +1,4 @@
-//! What the numbers on a tape are called: ports of devices, images, flows of commands.
+//! Maps the numbers on a tape to names of device ports, images and command flows.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -11,19 +11,19 @@ use rpi_sim::{Cell, SimBank};
 
 use crate::run::sampled_flows;
 
-/// A port of a device, or a flow of a command.
+/// Name and type of a device port or of a flow of a command.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(super) struct Named {
-    /// The device or command that it belongs to.
+    /// Name of the device or command.
     pub(super) of: String,
-    /// Its own name.
+    /// Name of the port or flow within its device or command.
     pub(super) name: String,
-    /// Its type.
+    /// Type of its values.
     pub(super) ty: Type,
 }
 
 impl Named {
-    /// A value of it as a text.
+    /// Returns a value of this port or flow as JSON text.
     pub(super) fn text(&self, value: Option<&[u64]>) -> String {
         let mut text = String::new();
         super::json::write(&mut text, value, self.ty);
@@ -31,21 +31,21 @@ impl Named {
     }
 }
 
-/// What is known so far.
+/// Names of the ports, images and commands that occurred so far.
 pub(super) struct Names {
     bank: SimBank,
     devices: Vec<String>,
     ports: BTreeMap<u32, Named>,
-    /// In the order of their coming; none once nothing runs it any more.
+    /// Images in order of first use; `None` once no command runs the image any more.
     images: Vec<Option<Arc<Image>>>,
-    /// The flows of each image that are looked at.
+    /// For each image, its recorded flows.
     flows: Vec<Vec<Named>>,
-    /// Which image a command runs.
+    /// For each command number, the index of its image.
     commands: BTreeMap<u64, usize>,
 }
 
 impl Names {
-    /// The names of a cell, without a command yet.
+    /// Returns the names of a cell, without any commands.
     pub(super) fn new(cell: &Cell, tick_ns: u64) -> Names {
         Names {
             bank: SimBank::new(cell, tick_ns as f64 * 1e-9),
@@ -57,7 +57,7 @@ impl Names {
         }
     }
 
-    /// A command runs an image; whether the image is a new one.
+    /// Adds a command with its image. Returns true if the image is new.
     pub(super) fn insert(&mut self, command: CommandId, image: &Arc<Image>) -> bool {
         let same =
             |known: &Option<Arc<Image>>| known.as_ref().is_some_and(|i| Arc::ptr_eq(i, image));
@@ -92,7 +92,7 @@ impl Names {
         self.images.push(Some(Arc::clone(image)));
     }
 
-    /// A command is no more; its image neither, unless another runs it.
+    /// Removes a command, and its image unless another command runs it.
     pub(super) fn forget(&mut self, command: CommandId) {
         let index = self.commands.remove(&command.number());
         let index = index.filter(|index| !self.commands.values().any(|other| other == index));
@@ -101,7 +101,7 @@ impl Names {
         }
     }
 
-    /// Learns what a port is called, and its number.
+    /// Adds a device port and returns its number; `None` if the device bank does not have the port.
     fn port(&mut self, port: &DevicePort, kind: PortKind) -> Option<u32> {
         let PortId(number) = self.bank.resolve(&PortName::of(port, kind)).ok()?;
         self.ports.entry(number).or_insert_with(|| Named {
@@ -115,18 +115,18 @@ impl Names {
         Some(number)
     }
 
-    /// The flows of an image, by its place in the order of their coming.
+    /// Returns the recorded flows of the image with this index.
     pub(super) fn flows(&self, image: usize) -> &[Named] {
         self.flows.get(image).map_or(&[], Vec::as_slice)
     }
 
-    /// The sensors that an image reads, by their devices.
+    /// Returns the sensors that an image reads, grouped by device.
     pub(super) fn sensors_of(&mut self, image: &Image) -> BTreeMap<String, Vec<Named>> {
         let ports = image.sensors.iter().map(|s| &s.port);
         self.by_device(ports, PortKind::Sensor)
     }
 
-    /// The actuators that an image sets, by their devices.
+    /// Returns the actuators that an image sets, grouped by device.
     pub(super) fn actuators_of(&mut self, image: &Image) -> BTreeMap<String, Vec<Named>> {
         let ports = image.actuators.iter().map(|a| &a.port);
         self.by_device(ports, PortKind::Actuator)
@@ -147,38 +147,39 @@ impl Names {
         devices
     }
 
-    /// A port by its number.
+    /// Returns the port with this number.
     pub(super) fn of_port(&self, number: u32) -> Option<&Named> {
         self.ports.get(&number)
     }
 
-    /// A flow of a command by its place.
+    /// Returns the flow of a command by its index.
     pub(super) fn of_flow(&self, command: u64, flow: u32) -> Option<&Named> {
         let image = *self.commands.get(&command)?;
         self.flows.get(image)?.get(flow as usize)
     }
 
-    /// Which image a command runs, by its place in the order of their coming.
+    /// Returns the index of the image that a command runs.
     pub(super) fn image_of(&self, command: CommandId) -> Option<usize> {
         self.commands.get(&command.number()).copied()
     }
 
-    /// What a command runs.
+    /// Returns the image that a command runs.
     pub(super) fn image(&self, command: CommandId) -> Option<&Image> {
         self.images.get(self.image_of(command)?)?.as_deref()
     }
 
-    /// What a command is called.
+    /// Returns the name of a command; `?` if the command is unknown.
     pub(super) fn of_command(&self, command: CommandId) -> &str {
         self.image(command).map_or("?", |image| &image.name)
     }
 
-    /// The device that an actuator is part of: its place stands in the high half.
+    /// Returns the name of the device of an actuator. The upper 16 bits of a resource number are the index of its
+    /// device.
     pub(super) fn of_actuator(&self, resource: u32) -> &str {
         self.of_device((resource >> 16) as usize)
     }
 
-    /// What a device is called.
+    /// Returns the name of the device with this index; `?` if there is none.
     pub(super) fn of_device(&self, device: usize) -> &str {
         self.devices.get(device).map_or("?", String::as_str)
     }

@@ -1,4 +1,4 @@
-//! A recording from its file.
+//! Reads a recording file.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -15,31 +15,31 @@ use super::error::RecordingError;
 use super::recorder::policy_by_word;
 use super::writer::{EVENTS, REQUESTS, TAPE};
 
-/// A recording, read.
+/// Content of a recording.
 #[derive(Debug)]
 pub struct Recording {
-    /// Length of a tick, nanoseconds.
+    /// Tick length in nanoseconds.
     pub tick_ns: u64,
-    /// File name of the program that ran.
+    /// File name of the recorded program.
     pub program: String,
     pub(super) continuity: Continuity,
     pub(super) cell: Cell,
     pub(super) images: Vec<Arc<Image>>,
     pub(super) requests: Vec<Value>,
     pub(super) events: Vec<Value>,
-    /// The words of each tick.
+    /// Words of each tick.
     pub(super) ticks: Vec<Vec<u64>>,
-    /// Ticks that were lost, as the end of the file says.
+    /// Number of lost ticks, from the `rpi-end` metadata.
     pub(super) lost: u64,
 }
 
-/// What stands in the file.
+/// Records of the MCAP file.
 #[derive(Default)]
 struct Parts {
     topics: BTreeMap<u16, String>,
     attachments: BTreeMap<String, Vec<u8>>,
     metadata: BTreeMap<String, BTreeMap<String, String>>,
-    /// By topic.
+    /// Message data by topic.
     messages: BTreeMap<String, Vec<Vec<u8>>>,
 }
 
@@ -47,7 +47,7 @@ impl Recording {
     /// Reads a recording.
     ///
     /// # Errors
-    /// If the bytes are no complete recording, with what is wrong.
+    /// Returns an error if the bytes are not a complete recording.
     pub fn read(bytes: &[u8]) -> Result<Recording, RecordingError> {
         let mut parts = Parts::read(bytes)?;
         let about = parts.metadata.remove("rpi");
@@ -59,7 +59,7 @@ impl Recording {
         if key("form")? != "1" {
             return Err(RecordingError::Foreign(format!("form {}", key("form")?)));
         }
-        // Without its end the file may lack what happened last.
+        // A file without its end record may lack the last ticks and events.
         let end = parts.metadata.get("rpi-end").and_then(|m| m.get("lost"));
         let lost = end.and_then(|lost| lost.parse().ok());
         Ok(Recording {
@@ -71,14 +71,14 @@ impl Recording {
             requests: parts.json(REQUESTS)?,
             events: parts.json(EVENTS)?,
             ticks: parts.ticks(),
-            lost: lost.ok_or_else(|| RecordingError::Broken("its end is missing".into()))?,
+            lost: lost.ok_or_else(|| RecordingError::Broken("the end record is missing".into()))?,
         })
     }
 }
 
 fn number(text: &str) -> Result<u64, RecordingError> {
     let number = text.parse().ok().filter(|number| *number > 0);
-    number.ok_or_else(|| RecordingError::Broken(format!("{text} is no length of a tick")))
+    number.ok_or_else(|| RecordingError::Broken(format!("`{text}` is not a valid tick length")))
 }
 
 impl Parts {
@@ -105,7 +105,7 @@ impl Parts {
             }
             Record::Message { header, data } => {
                 let topic = self.topics.get(&header.channel_id);
-                // What was made for viewers is not needed.
+                // Messages for viewers are not needed for a replay.
                 if let Some(topic) =
                     topic.filter(|t| [TAPE, REQUESTS, EVENTS].contains(&t.as_str()))
                 {
@@ -121,14 +121,14 @@ impl Parts {
         let text = self.attachments.get("cell.toml");
         let text = text.ok_or_else(|| RecordingError::Missing("cell".into()))?;
         let text = String::from_utf8_lossy(text);
-        let broken = |errors| RecordingError::Broken(format!("its cell is wrong: {errors}"));
+        let broken = |errors| RecordingError::Broken(format!("invalid cell description: {errors}"));
         Cell::parse("cell.toml", &text).map_err(broken)
     }
 
     fn images(&self) -> Result<Vec<Arc<Image>>, RecordingError> {
         let images = self.attachments.range("images/".to_owned()..);
         let images = images.take_while(|(name, _)| name.starts_with("images/"));
-        let broken = |error| RecordingError::Broken(format!("an image in it: {error}"));
+        let broken = |error| RecordingError::Broken(format!("invalid image: {error}"));
         images
             .map(|(_, bytes)| Image::from_bytes(bytes).map(Arc::new).map_err(broken))
             .collect()

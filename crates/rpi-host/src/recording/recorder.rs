@@ -1,4 +1,4 @@
-//! The host's end of a recording under way.
+//! Host side of a running recording.
 
 use std::io;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -17,63 +17,63 @@ use crate::control::{Event, Journal};
 use crate::run::Channel;
 use crate::tape::TapeOut;
 
-/// What a run was made of, to be kept with its recording.
+/// Program and cell of a run, stored in its recording.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct Origin {
-    /// The program's file name.
+    /// File name of the program.
     pub program: String,
-    /// Its bytes as they were read.
+    /// Content of the program file.
     pub program_bytes: Vec<u8>,
-    /// The text of the cell.
+    /// Text of the cell description.
     pub cell: String,
 }
 
-/// A recording that is wanted.
+/// Options of a new recording.
 pub struct Wanted {
-    /// Where it goes.
+    /// Destination of the recording.
     pub out: Box<dyn Output>,
-    /// What is recorded.
+    /// Program and cell that are stored in the recording.
     pub origin: Origin,
 }
 
-/// Notes that wait for the writer at most.
+/// Capacity of the queue of notes to the writer.
 const NOTES: usize = 1 << 16;
 
-/// The host's end: passes on what it knows, and waits for the writer in the end.
+/// Host side of a recording: forwards requests and events to the writer thread and joins it at the end.
 pub struct Recorder {
     notes: SyncSender<Note>,
-    /// Notes for which there was no room: such a recording cannot be run again.
+    /// Number of notes dropped because the queue was full. A recording with dropped notes cannot be replayed.
     lost: Arc<AtomicU64>,
-    /// Ticks that were lost, once the end is reached.
+    /// Number of lost ticks, set when the recording ends.
     over: Arc<AtomicU64>,
-    /// Why the writer has given up, if it has.
+    /// Error that stopped the writer, if any.
     trouble: Arc<OnceLock<String>>,
     thread: JoinHandle<io::Result<Written>>,
 }
 
-/// Policies, and their words in a recording.
+/// Continuity policies and their keywords in a recording.
 const CONTINUITY: [(Continuity, &str); 3] = [
     (Continuity::Refuse, "refuse"),
     (Continuity::Stop, "stop"),
     (Continuity::Allow, "allow"),
 ];
 
-/// The word for a policy.
+/// Returns the keyword of a policy.
 pub(super) fn word_of_policy(continuity: Continuity) -> &'static str {
     let found = CONTINUITY.iter().find(|(c, _)| *c == continuity);
     found.map_or("", |(_, word)| word)
 }
 
-/// The policy behind a word.
+/// Returns the policy of a keyword.
 pub(super) fn policy_by_word(word: &str) -> Option<Continuity> {
     CONTINUITY.iter().find(|(_, w)| *w == word).map(|p| p.0)
 }
 
 impl Recorder {
-    /// Begins a recording.
+    /// Starts a recording and its writer thread.
     ///
     /// # Errors
-    /// Those of the file, and of the system if it gives no thread.
+    /// Returns the errors of the output, and an error if no thread can be created.
     pub(crate) fn begin(
         wanted: Wanted,
         (cell, channels): (&Cell, &[Channel]),
@@ -116,33 +116,33 @@ impl Recorder {
         })
     }
 
-    /// What is to be told each request.
+    /// Returns the callback that records each request.
     pub(crate) fn journal(&self) -> Journal {
         let (notes, lost) = (self.notes.clone(), Arc::clone(&self.lost));
         Box::new(move |ticket, asked| tell(&notes, &lost, Note::Asked(ticket, asked)))
     }
 
-    /// Something has happened.
+    /// Records an event.
     pub fn event(&self, event: &Event) {
         tell(&self.notes, &self.lost, Note::Event(*event));
     }
 
-    /// False once the writer has given up: the file takes no more.
+    /// Returns false once the writer has stopped: no more data is written to the file.
     #[must_use]
     pub fn writes(&self) -> bool {
         !self.thread.is_finished()
     }
 
-    /// Why the writer has given up, if the file has told.
+    /// Returns the error that stopped the writer, if any.
     #[must_use]
     pub fn trouble(&self) -> Option<&str> {
         self.trouble.get().map(String::as_str)
     }
 
-    /// Ends the recording; `lost` ticks had no room on the tape.
+    /// Ends the recording. `lost` is the number of ticks that did not fit on the tape.
     ///
     /// # Errors
-    /// The first one of the file.
+    /// Returns the first error of the output, and an error if requests or events were dropped.
     pub fn finish(self, lost: u64) -> io::Result<Written> {
         self.over.store(lost, Ordering::Release);
         let written = self.thread.join();
@@ -150,7 +150,7 @@ impl Recorder {
         match self.lost.load(Ordering::Relaxed) {
             0 => Ok(written),
             notes => Err(io::Error::other(format!(
-                "there was no room for {}: the recording is not complete",
+                "the recording is incomplete: {} dropped",
                 rpi_diag::counted(notes, "request or event")
             ))),
         }

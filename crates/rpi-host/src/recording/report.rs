@@ -1,55 +1,57 @@
-//! What came of running a recording again.
+//! Report on the replay of a recording.
 
 use std::fmt;
 
 use rpi_diag::counted;
 use serde::Serialize;
 
-/// What came of it.
+/// Result of replaying a recording.
 #[derive(Clone, PartialEq, Eq, Debug, Default, Serialize)]
 pub struct Rerun {
-    /// Ticks that were run.
+    /// Number of ticks that were replayed.
     pub ticks: u64,
-    /// Commands that were started.
+    /// Number of commands that were started.
     pub commands: u64,
-    /// Values of flows, set-points and ports that were compared.
+    /// Number of values of flows, set-points and ports that were compared.
     pub values: u64,
-    /// Events that were compared.
+    /// Number of events that were compared.
     pub events: u64,
-    /// Ticks that the recording has lost. Nothing is known of them, nor of what comes after the first of them.
+    /// Number of ticks that the recording has lost. Lost ticks, and everything after the first of them, cannot be
+    /// replayed.
     pub lost: u64,
-    /// The first tick in which a device was put in or taken out, if one was. Which one is not recorded: nothing is run from there on.
+    /// First tick in which a device was inserted or removed. The replay ends there, because the recording does not
+    /// identify the device.
     pub devices: Option<u64>,
-    /// The first thing that was not as recorded.
+    /// First difference from the recording.
     pub difference: Option<Difference>,
 }
 
-/// Something that was not as recorded.
+/// A difference between the recording and its replay.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize)]
 pub struct Difference {
-    /// In which tick.
+    /// Tick of the difference.
     pub tick: u64,
-    /// Of which command or device.
+    /// Name of the command or device.
     pub of: String,
-    /// Which flow, port or event.
+    /// Name of the flow, port or event.
     pub what: String,
-    /// As recorded.
+    /// Recorded value.
     pub recorded: String,
-    /// As it was now.
+    /// Value in the replay.
     pub now: String,
 }
 
 impl Rerun {
-    /// True if all was as recorded, and all was recorded.
+    /// Returns true if the recording is complete and the replay had no difference.
     #[must_use]
     pub fn agrees(&self) -> bool {
         self.difference.is_none() && self.lost == 0 && self.devices.is_none()
     }
 
-    /// The report for programs: one JSON object, indented.
+    /// Returns the report as one indented JSON object.
     #[must_use]
     pub fn to_json(&self) -> String {
-        // Strings and numbers cannot fail to be written.
+        // Serialising strings and numbers cannot fail.
         serde_json::to_string_pretty(self).unwrap_or_default()
     }
 }
@@ -73,14 +75,14 @@ impl fmt::Display for Rerun {
         if self.lost > 0 {
             writeln!(
                 f,
-                "the recording has lost {}: what comes after is not known",
+                "the recording has lost {}: later ticks are not replayed",
                 counted(self.lost, "tick")
             )?;
         }
         if let Some(tick) = self.devices {
             writeln!(
                 f,
-                "devices came or went in tick {tick}: which ones is not recorded"
+                "a device was inserted or removed in tick {tick}: later ticks are not replayed"
             )?;
         }
         match &self.difference {

@@ -1,4 +1,4 @@
-//! Runs a recording again: the same requests in the same ticks, the tape in place of the devices.
+//! Replays a recording: the same requests in the same ticks, with the tape in place of the devices.
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
@@ -16,16 +16,16 @@ use crate::control::{Event, Executive, HostEnds, Options, Request, Ticket, open_
 use crate::run::Sights;
 use crate::tape::{Entry, Kind, Mismatch, Player, Tick, entries};
 
-/// Runs a recording again and compares every flow, set-point and event, up to the first difference.
+/// Replays a recording and compares every flow, set-point and event, up to the first difference.
 ///
 /// # Errors
-/// If it is not complete enough to be run.
+/// Returns an error if the recording is not complete enough to be replayed.
 pub fn rerun(recording: &Recording) -> Result<Rerun, RecordingError> {
     let mut stage = Again::new(recording)?;
     stage.report.lost = recording.lost;
     for words in &recording.ticks {
         let tick = Tick::of(words);
-        let tick = tick.ok_or_else(|| RecordingError::Broken("a tick on its tape".into()))?;
+        let tick = tick.ok_or_else(|| RecordingError::Broken("invalid tick on the tape".into()))?;
         let unknown = stage.report.devices.is_some_and(|from| tick.number >= from);
         if tick.lost > 0 || unknown || stage.report.difference.is_some() {
             break;
@@ -38,15 +38,15 @@ pub fn rerun(recording: &Recording) -> Result<Rerun, RecordingError> {
     Ok(stage.report)
 }
 
-/// A run under way.
+/// A replay in progress.
 struct Again<'a> {
     executive: Executive<Player>,
     ends: HostEnds<()>,
-    /// Requests by the tick that took them, in that order.
+    /// Requests by the tick that carries them out, in recorded order.
     requests: BTreeMap<u64, Vec<(Ticket, Request<()>)>>,
     sights: Sights,
     names: Names,
-    /// Events that were recorded and have not come yet.
+    /// Recorded events that the replay has not produced yet.
     expected: VecDeque<&'a Value>,
     latest: u64,
     report: Rerun,
@@ -91,7 +91,7 @@ impl<'a> Again<'a> {
 
     fn tick(&mut self, tick: &Tick<'_>) {
         for request in self.requests.remove(&tick.number).unwrap_or_default() {
-            // As many as were taken in this tick: there is room.
+            // The queue has room: its capacity is at least the number of recorded requests.
             let _ = self.ends.requests.push(request);
         }
         self.executive.plant().load(tick.exchange);
@@ -114,7 +114,7 @@ impl<'a> Again<'a> {
 
     fn halts(&mut self) {
         while let Some(late) = self.executive.plant().too_late() {
-            // Where everything was to be stopped, that comes next.
+            // If the overrun policy stops all commands, the tape has a halt entry next, which is handled below.
             self.executive.overran(&late);
         }
         while let Some(why) = self.executive.plant().halted().and_then(told::why_of) {
@@ -122,7 +122,7 @@ impl<'a> Again<'a> {
         }
     }
 
-    /// Compares the flows of a tick.
+    /// Compares the flows of a tick with the recording.
     fn of_sights(&mut self, tick: &Tick<'_>) -> Option<Difference> {
         let recorded = entries(tick.sights).filter(|e| e.kind == Kind::Flow);
         let mut now = entries(self.sights.stage().words().unwrap_or(&[]));
@@ -153,7 +153,7 @@ impl<'a> Again<'a> {
             recorded: text(recorded),
             now: now
                 .filter(same_flow)
-                .map_or_else(|| "it does not run".to_owned(), text),
+                .map_or_else(|| "the command does not run".to_owned(), text),
         }
     }
 
@@ -183,18 +183,23 @@ impl<'a> Again<'a> {
             Mismatch::Asked { recorded, now } => {
                 let recorded =
                     recorded.map_or_else(|| "nothing more".into(), |(k, key)| say(k, key));
-                told(None, "what it did next".into(), recorded, say(now.0, now.1))
+                told(
+                    None,
+                    "the next device access".into(),
+                    recorded,
+                    say(now.0, now.1),
+                )
             }
             Mismatch::Unasked(kind, key) => told(
                 None,
-                "what it did next".into(),
+                "the next device access".into(),
                 say(kind, key),
                 "nothing more".into(),
             ),
         }
     }
 
-    /// Compares the events of a tick with those that come next in the recording.
+    /// Compares the events of a tick with the next recorded events.
     fn of_events(&mut self, tick: u64) -> Option<Difference> {
         while let Ok(event) = self.ends.events.pop() {
             if matches!(event, Event::Notice(Notice::Started { .. })) {
@@ -218,7 +223,7 @@ impl<'a> Again<'a> {
         None
     }
 
-    /// All that was recorded must have come.
+    /// Reports a difference if a recorded event was not produced.
     fn ends(&mut self) {
         if let Some(missing) = self.expected.pop_front() {
             self.report.difference = Some(Difference {
@@ -232,13 +237,15 @@ impl<'a> Again<'a> {
     }
 }
 
-/// What the cycle tells, and not what the host and the writer tell of themselves.
+/// Returns true for events of the core, false for events that the host or the writer added.
 fn of_core(event: &Value) -> bool {
     let own = ["freed", "lost", "overrun"];
     !own.iter().any(|own| event["event"] == *own)
 }
 
-/// The same but for the tick of events that do not tell one: it is that of an event before.
+/// Compares two events.
+///
+/// Events without a tick of their own carry the tick of an earlier event, which depends on timing, so it is ignored.
 fn is_same(recorded: &Value, now: &Value) -> bool {
     let fields = now.as_object().into_iter().flatten();
     let told = ["answer", "started", "ended", "braked", "device"];
@@ -247,19 +254,19 @@ fn is_same(recorded: &Value, now: &Value) -> bool {
     fields.all(|(key, value)| recorded[key] == *value)
 }
 
-/// Requests in the order in which they were taken, by tick.
+/// Requests by tick, in the order in which they were carried out.
 type Taken = BTreeMap<u64, Vec<(Ticket, Request<()>)>>;
 
-/// The answers that were recorded: ticket and tick.
+/// Returns ticket and tick of each recorded answer.
 fn answers(recording: &Recording) -> impl Iterator<Item = Result<(u64, u64), RecordingError>> {
     let answers = recording.events.iter().filter(|e| e["event"] == "answer");
     answers.map(|answer| {
         let told = answer["ticket"].as_u64().zip(answer["tick"].as_u64());
-        told.ok_or_else(|| RecordingError::Broken(format!("an answer in it: {answer}")))
+        told.ok_or_else(|| RecordingError::Broken(format!("invalid answer: {answer}")))
     })
 }
 
-/// The first tick in which a device was put in or taken out: which one is not recorded.
+/// Returns the first tick in which a device was inserted or removed. The recording does not identify the device.
 fn change_of_devices(recording: &Recording) -> Option<u64> {
     let changes = recording.requests.iter().filter(|r| r["ask"] == "device");
     let tickets: BTreeSet<u64> = changes.filter_map(|r| r["ticket"].as_u64()).collect();
@@ -269,7 +276,7 @@ fn change_of_devices(recording: &Recording) -> Option<u64> {
         .map(|(_, tick)| tick)
 }
 
-/// The requests that were taken before a tick.
+/// Returns the requests that were carried out before tick `until`.
 fn requests(recording: &Recording, until: u64, names: &mut Names) -> Result<Taken, RecordingError> {
     let mut bank = SimBank::new(&recording.cell, recording.tick_ns as f64 * 1e-9);
     let mut maker = Maker {
@@ -291,7 +298,7 @@ fn requests(recording: &Recording, until: u64, names: &mut Names) -> Result<Take
         let object = object.ok_or_else(|| RecordingError::Missing(format!("request {ticket}")))?;
         let request = maker.read(object);
         let request =
-            request.ok_or_else(|| RecordingError::Broken(format!("a request in it: {object}")))?;
+            request.ok_or_else(|| RecordingError::Broken(format!("invalid request: {object}")))?;
         if let Request::Insert(id, command, _) = &request.1 {
             names.insert(*id, command.machine().image());
         }

@@ -1,4 +1,4 @@
-//! Events as JSON: what happened to commands, rules and devices, in words that a program can read, too.
+//! Encodes events of commands, rules and devices as JSON.
 
 use rpi_core::{Cause, CommandId, Ending, Notice, Outcome, Why};
 use rpi_image::Image;
@@ -9,7 +9,7 @@ use super::names::Names;
 use crate::control::Event;
 use crate::run::fault_text;
 
-/// Reasons for an end by force, and their words. Their places are the keys of entries on a tape.
+/// Reasons of an abort and their keywords. The index of a reason is its key on the tape, so the order must not change.
 const WHY: [(Why, &str); 5] = [
     (Why::Request, "request"),
     (Why::Overrun, "overrun"),
@@ -18,28 +18,29 @@ const WHY: [(Why, &str); 5] = [
     (Why::Discontinuity, "discontinuity"),
 ];
 
-/// The number of a reason.
+/// Returns the number of a reason.
 pub(crate) fn number_of(why: Why) -> u32 {
     let place = WHY.iter().position(|(w, _)| *w == why);
     place.map_or(u32::MAX, |place| place as u32)
 }
 
-/// The reason of this number.
+/// Returns the reason with this number.
 pub(crate) fn why_of(number: u32) -> Option<Why> {
     WHY.get(number as usize).map(|(why, _)| *why)
 }
 
-/// A reason in words.
+/// Returns the keyword of a reason.
 pub(super) fn word_of(why: Why) -> &'static str {
     WHY.iter().find(|(w, _)| *w == why).map_or("?", |w| w.1)
 }
 
-/// The reason behind a word.
+/// Returns the reason with this keyword.
 pub(super) fn why_by_word(word: &str) -> Option<Why> {
     WHY.iter().find(|(_, w)| *w == word).map(|w| w.0)
 }
 
-/// An event as a JSON object; `tick` where it tells none itself is the last one that was told.
+/// Encodes an event as a JSON object. `tick` is the tick of the last event that had one; it is used for events without
+/// a tick.
 pub(super) fn event(event: &Event, tick: u64, names: &Names) -> Value {
     match event {
         Event::Answer {
@@ -63,7 +64,7 @@ pub(super) fn event(event: &Event, tick: u64, names: &Names) -> Value {
     }
 }
 
-/// The tick that an event tells.
+/// Returns the tick of an event, if the event has one.
 pub(super) fn tick_of(event: &Event) -> Option<u64> {
     match event {
         Event::Answer { tick, .. }

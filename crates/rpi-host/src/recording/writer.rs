@@ -1,4 +1,4 @@
-//! The thread that writes a recording: takes ticks off the tape and what the host tells, and makes messages of them.
+//! Writer thread of a recording: takes ticks from the tape and notes from the host, and writes both as messages.
 
 use std::collections::BTreeMap;
 use std::io;
@@ -20,58 +20,58 @@ use crate::control::{Asked, Event, Late, Ticket};
 use crate::run::Channel;
 use crate::tape::{Kind, TapeOut, Tick, entries, late_of};
 
-/// What the host tells.
+/// A note from the host to the writer.
 pub(super) enum Note {
-    /// Something was asked of the cycle.
+    /// A request was sent to the cycle.
     Asked(Ticket, Asked),
-    /// Something has happened.
+    /// An event occurred.
     Event(Event),
 }
 
 pub(super) const TAPE: &str = "/rpi/tape";
 pub(super) const REQUESTS: &str = "/rpi/requests";
 pub(super) const EVENTS: &str = "/events";
-/// The form of the messages of the tape.
+/// Format name of the tape messages.
 pub(super) const FORM: &str = "rpi-tape-1";
-/// What that is, for who opens a recording years later.
+/// Documentation of the tape format. It is stored in every recording as the schema of the tape topic.
 const FORM_TEXT: &str = include_str!("form.txt");
 
-/// In place of the number of lost ticks while nobody knows it yet.
+/// Value of the lost-tick counter until the recording ends.
 pub(super) const UNDER_WAY: u64 = u64::MAX;
-/// How long the writer waits if there is nothing to write.
+/// Sleep time of the writer when there is nothing to write.
 const PAUSE: Duration = Duration::from_millis(1);
-/// Ticks that are written before the host is listened to again.
+/// Maximum number of ticks taken from the tape before the notes of the host are read.
 const TURN: usize = 1024;
 
-/// What was written.
+/// Statistics of a finished recording.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Serialize)]
 pub struct Written {
-    /// Ticks in the recording.
+    /// Number of ticks in the recording.
     pub ticks: u64,
-    /// Ticks that are not, because the writer could not keep up.
+    /// Number of ticks lost because the writer could not keep up.
     pub lost: u64,
 }
 
-/// The writer and what it knows.
+/// State of the writer thread.
 pub(super) struct Scribe {
     pub(super) file: File,
     pub(super) names: Names,
-    /// The ports of devices that are looked at after each tick.
+    /// Device ports that are sampled after each tick.
     pub(super) channels: Vec<Channel>,
     pub(super) tape: TapeOut,
     pub(super) notes: Receiver<Note>,
     pub(super) written: Written,
-    /// Commands that are no more, of this turn and of the one before.
+    /// Commands freed in the current turn. `freed_before` holds those of the previous turn.
     pub(super) freed: Vec<CommandId>,
     pub(super) freed_before: Vec<CommandId>,
-    /// Time of the latest tick.
+    /// Wall clock of the latest tick, nanoseconds since the Unix epoch.
     pub(super) latest: u64,
-    /// The tick that was told last.
+    /// Tick of the last recorded event.
     pub(super) told: u64,
 }
 
 impl Scribe {
-    /// Topics that every recording has.
+    /// Adds the topics that every recording has.
     pub(super) fn begin(&mut self) -> io::Result<()> {
         self.file.binary_topic(TAPE, FORM, FORM_TEXT)?;
         let ticket = json!({ "ticket": { "type": "integer" }, "ask": { "type": "string" } });
@@ -88,10 +88,11 @@ impl Scribe {
             .try_for_each(|(device, ports)| self.topic_of("device", device, ports))
     }
 
-    /// Writes until all that comes has come.
+    /// Writes until the recording ends and the tape is empty.
     pub(super) fn write(mut self, lost: &AtomicU64) -> io::Result<Written> {
         loop {
-            // What follows was there before the end was told.
+            // Load the end marker before taking ticks: all ticks put on the tape before the end was signalled are then
+            // taken in this turn.
             let told = lost.load(Ordering::Acquire);
             let ticks = self.turn()?;
             if told != UNDER_WAY && ticks == 0 {
@@ -109,7 +110,10 @@ impl Scribe {
         Ok(self.written)
     }
 
-    /// Ticks are taken first: what the host had to tell of their commands has been told by then.
+    /// Writes one batch of ticks and all pending notes. Returns the number of ticks.
+    ///
+    /// The ticks are taken from the tape before the notes are read. Notes about the commands of these ticks are then
+    /// already in the queue.
     fn turn(&mut self) -> io::Result<usize> {
         let mut taken = Vec::new();
         let mut words = Vec::new();
@@ -126,7 +130,7 @@ impl Scribe {
         Ok(taken.len())
     }
 
-    /// Forgets commands that were freed before the turn that is over, so that none of their ticks can still come.
+    /// Removes the names of commands that were freed before the previous turn. The tape holds no more ticks of them.
     fn forget(&mut self) {
         let recent = std::mem::take(&mut self.freed);
         let old = std::mem::replace(&mut self.freed_before, recent);
@@ -144,7 +148,7 @@ impl Scribe {
                 self.file.message(REQUESTS, time, text.as_bytes())
             }
             Note::Event(event) => {
-                // What has no tick of its own follows from what was told before it.
+                // An event without a tick gets the tick of the event before it.
                 self.told = told::tick_of(&event).unwrap_or(self.told);
                 let text = told::event(&event, self.told, &self.names).to_string();
                 if let Event::Freed(id) = event {
@@ -155,7 +159,7 @@ impl Scribe {
         }
     }
 
-    /// Learns of a command; an image that was not seen before is attached, and its flows get a topic.
+    /// Adds a command. A new image is attached to the file, and topics are added for its flows and ports.
     fn insert(&mut self, id: CommandId, image: &Arc<Image>) -> io::Result<()> {
         if !self.names.insert(id, image) {
             return Ok(());
@@ -215,7 +219,7 @@ impl Scribe {
         Ok(())
     }
 
-    /// Tells to whom it is put down that a tick ended too late.
+    /// Adds to an overrun event the command and fragment that caused it.
     fn blame(&self, late: &Late, text: &mut Value) {
         let id = late.command;
         let image = self.names.image(id);
@@ -226,7 +230,7 @@ impl Scribe {
         text["fragment"] = json!(fragment.map(|f| f.path.as_str()));
     }
 
-    /// The messages for people and their viewers: by topic, in the order in which they come up.
+    /// Returns the messages for viewers of one tick as pairs of topic and JSON text, in order of first occurrence.
     fn views(&self, tick: &Tick<'_>) -> Vec<(String, String)> {
         let mut views: Vec<(String, u64, Object)> = Vec::new();
         for entry in entries(tick.exchange).chain(entries(tick.sights)) {
@@ -261,7 +265,7 @@ impl Scribe {
     }
 }
 
-/// A port of a device that is looked at, by its own name.
+/// Returns the names and type of a sampled device port.
 fn device_port(channel: &Channel) -> Named {
     let (of, name) = channel.name.split_once('.').unwrap_or(("", &channel.name));
     Named {

@@ -1,8 +1,8 @@
-//! Real ports that carry angles: compared modulo a full turn, and coarsely near gimbal lock.
+//! Real ports that carry angles. They are compared modulo a full turn, and with a larger tolerance near gimbal lock.
 
 use rpi_image::PrimDesc;
 
-/// Primitive, port, and the port that carries the middle Euler angle, if it is one of three.
+/// Primitive, port, and for Euler angles the port with the middle angle.
 const ANGLES: &[(&str, &str, Option<&str>)] = &[
     ("World::RotationToABC", "outA", Some("outB")),
     ("World::RotationToABC", "outB", Some("outB")),
@@ -11,18 +11,18 @@ const ANGLES: &[(&str, &str, Option<&str>)] = &[
     ("Core::DoubleAtan2", "outValue", None),
 ];
 
-/// What is special about the comparison of a port.
+/// How the values of a port are compared.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Measure {
-    /// Nothing.
+    /// As plain numbers.
     Plain,
-    /// It is an angle.
+    /// As an angle.
     Angle,
-    /// It is one of three Euler angles, of which the out-port of this index is the middle one.
+    /// As one of three Euler angles. The index is the out-port with the middle angle.
     Euler(usize),
 }
 
-/// How an out-port is compared.
+/// Returns how an out-port is compared.
 pub(super) fn measure(desc: &PrimDesc, port: usize) -> Measure {
     let name = desc.outputs[port].name;
     let found = ANGLES.iter().find(|a| a.0 == desc.name && a.1 == name);

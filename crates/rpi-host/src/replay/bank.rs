@@ -1,4 +1,4 @@
-//! Devices of a replay: every port exists and nothing happens, as all their answers come from the trace.
+//! Device bank of a trace replay. Every port exists and has no effect, because all device values come from the trace.
 
 use rpi_device::{DeviceBank, PortId, PortName, Refusal, ResolveError};
 
@@ -9,7 +9,7 @@ pub(super) struct ReplayBank {
 }
 
 impl DeviceBank for ReplayBank {
-    /// Each port is an actuator of its own: whether two writers met is in the trace.
+    /// Each port is a separate actuator. Conflicts between writers are part of the trace.
     fn resolve(&mut self, _: &PortName<'_>) -> Result<PortId, ResolveError> {
         self.ports += 1;
         Ok(PortId(self.ports))

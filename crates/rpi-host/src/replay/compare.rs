@@ -1,15 +1,15 @@
-//! How far two values are apart.
+//! Distance between two values.
 //!
-//! Reals are compared by the mix of absolute and relative difference `|a - b| / max(1, |a|, |b|)`; not-a-number equals
-//! itself. Angles are compared modulo a full turn, rotations by the angle between them (radians), however they were
-//! written down. Truth values and whole numbers differ by 1 at least, times by milliseconds.
+//! Reals use the mixed absolute and relative difference `|a - b| / max(1, |a|, |b|)`; NaN equals NaN. Angles are
+//! compared modulo a full turn. Rotations are compared by the angle between them in radians, independent of their
+//! notation. Booleans and integers differ by at least 1, times by milliseconds.
 
 use std::f64::consts::{PI, TAU};
 
 use rpi_image::{Scalar, Type};
 use rpi_prims::flow::{Flow, Rotation};
 
-/// How far two values of one type are apart; 0 for equal ones.
+/// Returns the distance between two values of one type; 0 if they are equal.
 pub(super) fn deviation(ty: Type, a: &[u64], b: &[u64]) -> f64 {
     let scalar = element(ty);
     let size = scalar.cells() as usize;
@@ -17,7 +17,7 @@ pub(super) fn deviation(ty: Type, a: &[u64], b: &[u64]) -> f64 {
     pairs.map(|(a, b)| one(scalar, a, b)).fold(0.0, f64::max)
 }
 
-/// [`deviation`] of two reals that are angles.
+/// Returns the [`deviation`] of two reals that are angles.
 pub(super) fn angle_deviation(a: &[u64], b: &[u64]) -> f64 {
     let [a, b] = [a, b].map(|cells| f64::load(cells, 0));
     if (a - b).is_finite() {
@@ -27,8 +27,8 @@ pub(super) fn angle_deviation(a: &[u64], b: &[u64]) -> f64 {
     }
 }
 
-/// True if a rotation in the value is so close to gimbal lock that its Euler angles are worth few digits: the middle
-/// angle is within a thousandth of a radian of a quarter turn.
+/// Returns true if a rotation in the value is so close to gimbal lock that its Euler angles have few significant
+/// digits: the middle angle is within a thousandth of a radian of a quarter turn.
 pub(super) fn near_lock(ty: Type, cells: &[u64]) -> bool {
     let scalar = element(ty);
     let at = match scalar {
@@ -43,12 +43,12 @@ pub(super) fn near_lock(ty: Type, cells: &[u64]) -> bool {
     })
 }
 
-/// [`near_lock`] from the middle Euler angle.
+/// Like [`near_lock`], for the middle Euler angle in radians.
 pub(super) fn near_lock_angle(middle: f64) -> bool {
     ((middle.abs() - PI / 2.0).abs()) < LOCK
 }
 
-/// How close to a quarter turn is near, radians.
+/// Distance from a quarter turn that counts as near, in radians.
 const LOCK: f64 = 1e-3;
 
 fn is_quarter_turn(sine: f64) -> bool {

@@ -1,4 +1,4 @@
-//! The replay itself: cycle by cycle, node by node.
+//! The replay loop: cycle by cycle, node by node.
 
 use rpi_core::{Machine, Moment};
 use rpi_lower::{LowerOptions, Observe};
@@ -16,10 +16,11 @@ use super::report::{Fault, Report};
 use super::tally::Tally;
 use crate::trace::Trace;
 
-/// Runs a net against a trace and compares every recorded value that it computes.
+/// Replays a net against a trace and compares every computed value that the trace also holds.
 ///
 /// # Errors
-/// If the net cannot run or the trace cannot be read with its types. A difference is no error: it is in the report.
+/// Returns an error if the net cannot be executed or the trace is empty. A deviation is not an error; it is part of the
+/// report.
 pub fn replay(net: &Net, trace: &Trace, options: &Options) -> Result<Report, ReplayError> {
     if trace.last_cycle() == 0 && trace.start_ms.is_none() {
         return Err(ReplayError::Empty);
@@ -40,10 +41,11 @@ pub fn replay(net: &Net, trace: &Trace, options: &Options) -> Result<Report, Rep
     Ok(replay.tally.report)
 }
 
-/// The net, lowered to be looked at, with a presence for everything that the trace may make absent.
+/// Lowers the net with all ports observable. Every port that the trace or a documented difference may make absent gets
+/// a presence bit.
 fn machine(net: &Net, options: &Options, bank: &mut ReplayBank) -> Result<Machine, ReplayError> {
     let may_be_absent = |port: PortRef| {
-        // The passes may have added delays behind the nodes that the trace knows.
+        // The passes may have appended delay nodes that the trace does not know.
         net.nodes.get(port.node.index()).is_some_and(|node| {
             is_input(node.desc()) || explain::concerns(node.desc(), usize::from(port.port))
         })
@@ -61,7 +63,7 @@ fn machine(net: &Net, options: &Options, bank: &mut ReplayBank) -> Result<Machin
     Machine::load(image, bank).map_err(ReplayError::Loading)
 }
 
-/// A replay under way.
+/// State of a running replay.
 pub(super) struct Replay<'a> {
     pub(super) net: &'a Net,
     pub(super) plan: Plan,
@@ -72,17 +74,17 @@ pub(super) struct Replay<'a> {
     period_ns: u64,
     pub(super) tolerance: Tolerance,
     pub(super) tally: Tally,
-    /// For each port of the trace whether it carried more than one value.
+    /// For each port of the trace, whether it had more than one value.
     pub(super) varies: Vec<bool>,
-    /// What inputs that the trace does not have in every cycle gave last, by node and port.
+    /// Last known values of inputs that the trace does not have in every cycle, by node and port.
     pub(super) held: Vec<Vec<Recorded>>,
-    /// Nodes whose values depend on something that the trace does not have in this cycle.
+    /// Nodes whose values depend on a value that the trace does not have in this cycle.
     pub(super) unsure: Vec<bool>,
-    /// Nodes whose fragment was inactive in the cycle before.
+    /// Nodes whose fragment was inactive in the previous cycle.
     pub(super) paused: Vec<bool>,
-    /// Nodes whose recorded value in this cycle may be that of an object which the reference has changed since.
+    /// Nodes whose recorded value in this cycle may refer to an object that the reference system has overwritten since.
     pub(super) aliased: Vec<bool>,
-    /// The cycle in which a port first was off, by however little.
+    /// First cycle in which a port deviated from the trace by any amount.
     pub(super) since: Vec<Vec<Option<u64>>>,
 }
 
@@ -147,7 +149,7 @@ impl<'a> Replay<'a> {
         self.machine.hand_over(&mut self.bank);
     }
 
-    /// Steps through the net; a node is compared as soon as its last step is behind, run or jumped over.
+    /// Executes the steps of the net. A node is compared as soon as its last step was executed or skipped.
     fn evaluate(&mut self) {
         let mut pc = 0;
         while pc < self.plan.done.len() {
@@ -168,7 +170,7 @@ impl<'a> Replay<'a> {
         }
     }
 
-    /// Period in seconds.
+    /// Returns the period in seconds.
     pub(super) fn dt(&self) -> f64 {
         self.period_ns as f64 * 1e-9
     }

@@ -1,4 +1,4 @@
-//! Whether an entry of the table of differences explains that a value differs: gathers what the table asks for.
+//! Decides whether a documented difference between the systems explains a deviating value.
 
 use rpi_image::PrimDesc;
 use rpi_net::{Input, NodeId, PortRef};
@@ -8,19 +8,20 @@ use super::engine::Replay;
 use super::recorded::Recorded;
 use super::relation::same;
 
-/// True if an entry speaks of such a port: it may be forced to any value, or to absence.
+/// Returns true if a documented difference covers this port. Such a port may be forced to any value or to absence.
 pub(super) fn concerns(desc: &PrimDesc, port: usize) -> bool {
     differences::concerns(desc, port)
 }
 
-/// True if the reference may have given a wrong value here: where nothing was recorded, nobody knows what went on.
+/// Returns true if the reference system may have computed a wrong value at this port. Without a recorded value the true
+/// value is then unknown.
 pub(super) fn may_be_wrong(desc: &PrimDesc, port: usize) -> bool {
     let own = |d: &&Difference| !matches!(d.when, When::ReadsAliased);
     let mut entries = DIFFERENCES.iter().filter(own);
     entries.any(|d| d.speaks_of(desc, port))
 }
 
-/// The entry that explains a differing value.
+/// Returns the documented difference that explains a deviating value.
 pub(super) fn explain(
     replay: &Replay<'_>,
     port: PortRef,
@@ -53,7 +54,7 @@ pub(super) fn explain(
     differences::explain(&case, |a, b| same(ty, a, b, replay.tolerance))
 }
 
-/// True if a node reads a value that the reference has overwritten since.
+/// Returns true if a node reads a value that the reference system has overwritten since.
 pub(super) fn reads_aliased(replay: &Replay<'_>, node: NodeId) -> bool {
     let mut reads = replay.net.node(node).inputs.iter();
     reads.any(|i| matches!(i, Input::Port(p) if replay.aliased[p.node.index()]))
@@ -66,7 +67,8 @@ fn source<'a>(replay: &Replay<'a>, input: &Input) -> Option<&'a str> {
     }
 }
 
-/// Values recorded in this cycle behind the first in-port, through primitives of the reference that hand objects on.
+/// Returns the values recorded in this cycle upstream of the first in-port, through primitives of the reference system
+/// that pass objects on.
 fn origins(replay: &Replay<'_>, port: PortRef) -> Vec<Vec<u64>> {
     let ty = replay.plan.out(port).signal.ty;
     let mut found = Vec::new();

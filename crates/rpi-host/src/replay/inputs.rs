@@ -1,10 +1,11 @@
-//! What a replay takes from the trace instead of computing it.
+//! Ports whose values a replay takes from the trace instead of computing them.
 
 use rpi_image::{CommandFlow, PrimDesc, Role};
 
-/// True if the out-ports of such a primitive depend on the outside: on devices, other nets, people or clocks.
+/// Returns true if the out-ports of the primitive depend on its environment: devices, other nets, users or clocks.
 ///
-/// The out-ports of an actuator are the device's answers; the net's own clock follows from the trace's start time.
+/// The out-ports of an actuator are answers of the device. The clock of the net is computed from the start time of the
+/// trace.
 pub(super) fn is_input(desc: &PrimDesc) -> bool {
     match desc.role {
         Role::Sensor(_) | Role::Actuator(_) | Role::DeviceFunction(_) | Role::Input => true,
@@ -18,7 +19,7 @@ pub(super) fn is_input(desc: &PrimDesc) -> bool {
     }
 }
 
-/// True if the value is there before the first step of a cycle.
+/// Returns true if the out-ports have their values before the first step of a cycle.
 pub(super) fn is_latched(desc: &PrimDesc) -> bool {
     matches!(desc.role, Role::Sensor(_) | Role::Input | Role::Flow(_))
 }

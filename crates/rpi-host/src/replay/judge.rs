@@ -1,4 +1,4 @@
-//! One node after the other: what came from outside is taken from the trace, everything else compared with it.
+//! Processes the nodes of a cycle: input values are taken from the trace, all other values are compared with it.
 
 use rpi_core::Machine;
 use rpi_image::image::Signal;
@@ -34,7 +34,7 @@ impl Replay<'_> {
         }
     }
 
-    /// Whether a node depends on something unknown: once it has, its state may be off for good.
+    /// Returns true if a node depends on an unknown value. A node with state stays unknown from then on.
     fn reads_unsure(&self, id: NodeId) -> bool {
         let node = self.net.node(id);
         let keeps = !matches!(node.desc().state, State::None);
@@ -42,7 +42,7 @@ impl Replay<'_> {
         (keeps && self.unsure[id.index()]) || node.inputs.iter().any(reads)
     }
 
-    /// Puts what the trace says in place of what came from outside.
+    /// Forces an input port to its recorded value.
     fn take(&mut self, port: PortRef) {
         let recorded = self.recorded(port);
         let held = &mut self.held[port.node.index()][usize::from(port.port)];
@@ -65,7 +65,7 @@ impl Replay<'_> {
         }
     }
 
-    /// Compares what a node has computed with what the trace says.
+    /// Compares the computed value of a port with the recorded one.
     fn compare(&mut self, port: PortRef) {
         let recorded = self.recorded(port);
         if recorded == Recorded::Unknown {
@@ -174,7 +174,7 @@ impl Replay<'_> {
         unsure
     }
 
-    /// Remembers when a port first is off, by however little.
+    /// Stores the first cycle in which a port deviates by any amount.
     fn note_off(&mut self, port: PortRef, relation: Relation) {
         if !matches!(relation, Relation::Unknown) && relation != Relation::Agrees(0.0) {
             let since = &mut self.since[port.node.index()][usize::from(port.port)];
@@ -183,7 +183,8 @@ impl Replay<'_> {
     }
 }
 
-/// Puts a recorded value into memory; what was not written down stays as it is. False if it does not fit.
+/// Forces a port to a recorded value. Values that were not recorded leave the port unchanged. Returns false if the
+/// recorded value has the wrong type.
 fn force(machine: &mut Machine, signal: Signal, recorded: &Recorded) -> bool {
     match recorded {
         Recorded::Value(cells) => machine.force(signal, Some(cells)),

@@ -1,4 +1,4 @@
-//! What a replay sees at the ports of the net: what was computed there and what was recorded.
+//! Computed and recorded values at the ports of the net.
 
 use rpi_net::{Input, PortRef};
 
@@ -9,7 +9,7 @@ use super::recorded::Recorded;
 use super::relation::Nature;
 
 impl Replay<'_> {
-    /// What the trace says of an out-port in this cycle.
+    /// Returns the recorded value of an out-port in this cycle.
     pub(super) fn recorded(&self, port: PortRef) -> Recorded {
         let Out {
             recorded, signal, ..
@@ -17,21 +17,21 @@ impl Replay<'_> {
         self.view.out_port(*recorded, signal.ty)
     }
 
-    /// What an out-port carries in this cycle, seen from its own fragment.
+    /// Returns the computed value of an out-port in this cycle; `None` if it is absent or its fragment is inactive.
     pub(super) fn computed(&self, port: PortRef) -> Option<&[u64]> {
         let out = self.plan.out(port);
         let active = self.machine.is_active(out.fragment);
         self.machine.value(out.signal).filter(|_| active)
     }
 
-    /// What the trace says of an out-port in the cycle before.
+    /// Returns the recorded value of an out-port in the previous cycle as text.
     pub(super) fn before(&self, port: PortRef) -> String {
         let recorded = self.plan.out(port).recorded;
         let text = recorded.and_then(|p| self.view.before(p));
-        format!("{} in the cycle before", text.unwrap_or("null"))
+        format!("{} in the previous cycle", text.unwrap_or("null"))
     }
 
-    /// What runs through an input.
+    /// Returns the value at an input.
     pub(super) fn input<'s>(&'s self, input: &'s Input) -> Option<&'s [u64]> {
         match input {
             Input::Open => None,
@@ -40,7 +40,7 @@ impl Replay<'_> {
         }
     }
 
-    /// `path.port`.
+    /// Returns the name of an out-port, `path.port`.
     pub(super) fn name(&self, port: PortRef) -> String {
         let path = &self.plan.nodes[port.node.index()].path;
         let outs = self.net.node(port.node).desc().outputs;
@@ -64,7 +64,8 @@ impl Replay<'_> {
         }
     }
 
-    /// An alias of an angle has had its source rewritten already if need be.
+    /// Returns how an alias is compared. Euler angles need no special case, because the source was already replaced by
+    /// the recorded angle.
     pub(super) fn alias_nature(&self, source: &Input) -> Nature {
         match source {
             Input::Port(port) if self.plan.out(*port).measure != Measure::Plain => Nature::Angle,

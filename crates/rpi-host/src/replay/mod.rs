@@ -1,9 +1,9 @@
-//! Replay: a net runs against a recorded trace, and every recorded value that it computes is compared.
+//! Trace replay: executes a net with the inputs of a recorded trace and compares every computed value with the trace.
 //!
-//! What came from outside is taken from the trace: device ports, inputs, cancel, the wall clock, the start time
-//! ([`inputs`]). Everything else is computed from it and compared, absence included; the tolerance is told in
-//! [`compare`]. A value that a documented difference between the systems explains is taken from the trace, counted and
-//! listed, and what follows is computed from it.
+//! Values from outside the net are taken from the trace: device ports, inputs, cancel, the wall clock, the start time
+//! ([`inputs`]). All other values are computed and compared, including their absence; [`compare`] defines the
+//! tolerance. A deviating value that a documented difference between the systems explains is taken from the trace,
+//! counted and listed, and later values are computed from it.
 
 mod angles;
 mod bank;

@@ -1,21 +1,22 @@
-//! What the trace calls the ports of the net.
+//! Maps the port names of the trace to those of the net.
 //!
-//! Frameworks that generate nets count their names on from run to run, so a trace of another run of the same program
-//! may call `p88` what the net calls `p15`. If no name fits but all do with one number added, that number is added.
+//! Frameworks that generate nets continue their name counters from run to run, so a trace of another run of the same
+//! program may use `p88` for the port `p15` of the net. If no name matches, but all names match with a constant offset,
+//! the offset is applied.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::trace::{PortId, Trace};
 
-/// Ports of the trace by the names that the net has for them.
+/// Ports of the trace, by their names in the net.
 pub(super) struct Names {
     by_name: BTreeMap<String, PortId>,
-    /// What is added to the numbers in the trace's names.
+    /// Offset that is added to the numbers in the names of the trace.
     pub(super) shift: i64,
 }
 
 impl Names {
-    /// Lays the trace's names over those of the net.
+    /// Matches the names of the trace with those of the net.
     pub(super) fn new(trace: &Trace, known: &BTreeSet<String>) -> Names {
         let fits = trace.ports().any(|(_, name)| known.contains(name));
         let shift = if fits {
@@ -32,18 +33,18 @@ impl Names {
         }
     }
 
-    /// The port of the trace that the net calls so.
+    /// Returns the port of the trace with this name in the net.
     pub(super) fn find(&self, name: &str) -> Option<PortId> {
         self.by_name.get(name).copied()
     }
 
-    /// All ports of the trace with the net's names for them.
+    /// Iterates over all ports of the trace with their names in the net.
     pub(super) fn all(&self) -> impl Iterator<Item = (&str, PortId)> {
         self.by_name.iter().map(|(name, id)| (name.as_str(), *id))
     }
 }
 
-/// The number that makes every name of the trace a known one.
+/// Returns the offset that maps every name of the trace to a known name.
 fn common_shift(trace: &Trace, known: &BTreeSet<String>) -> Option<i64> {
     let first_of_net = known.iter().flat_map(|name| numbers(name)).min()?;
     let first_of_trace = trace.ports().flat_map(|(_, name)| numbers(name)).min()?;
@@ -52,14 +53,14 @@ fn common_shift(trace: &Trace, known: &BTreeSet<String>) -> Option<i64> {
     trace.ports().all(|(_, name)| fits(name)).then_some(shift)
 }
 
-/// The numbers at the ends of the names in a path.
+/// Returns the trailing numbers of the names in a path.
 fn numbers(name: &str) -> impl Iterator<Item = i64> {
     let (path, _) = split(name);
     path.split('/')
         .filter_map(|part| numbered(part).map(|(_, number)| number))
 }
 
-/// A path with a number added to each of its names.
+/// Returns a path with the offset added to each of its names; `None` if a name has no number.
 fn shifted(name: &str, shift: i64) -> Option<String> {
     if shift == 0 {
         return Some(name.to_owned());
@@ -79,7 +80,7 @@ fn split(name: &str) -> (&str, &str) {
     name.rsplit_once('.').unwrap_or((name, ""))
 }
 
-/// A generated name: a stem and a number.
+/// Splits a generated name into stem and number.
 fn numbered(part: &str) -> Option<(&str, i64)> {
     let stem = part.trim_end_matches(|c: char| c.is_ascii_digit());
     Some((stem, part[stem.len()..].parse().ok()?))

@@ -1,17 +1,17 @@
-//! How a replay is done, and why one could not be done.
+//! Options and errors of a trace replay.
 
 use std::fmt;
 
 use rpi_core::LoadFault;
 
-/// How a replay is done.
+/// Options of a trace replay.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Options {
-    /// Period in nanoseconds; the corpus was recorded at 25 ms.
+    /// Period in nanoseconds. The corpus was recorded with 25 ms.
     pub period_ns: u64,
-    /// How far apart equal values may be.
+    /// Largest deviation of values that count as equal.
     pub tolerance: f64,
-    /// How far apart Euler angles and rotations may be near gimbal lock, where their digits are worth less.
+    /// Largest deviation of Euler angles and rotations near gimbal lock, where fewer digits are significant.
     pub lock_tolerance: f64,
 }
 
@@ -25,16 +25,16 @@ impl Default for Options {
     }
 }
 
-/// Why a replay could not be done at all.
+/// Error that prevents a trace replay.
 #[derive(Clone, PartialEq, Debug)]
 pub enum ReplayError {
-    /// The trace holds nothing, not even a start time.
+    /// The trace has no rows and no start time.
     Empty,
-    /// Something in the net depends on itself.
+    /// The net has a dependency cycle.
     Cyclic,
-    /// The net cannot be lowered.
+    /// Lowering of the net failed.
     Lowering(String),
-    /// The image cannot be loaded.
+    /// Loading of the image failed.
     Loading(Vec<LoadFault>),
 }
 
@@ -42,7 +42,7 @@ impl fmt::Display for ReplayError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             ReplayError::Empty => f.write_str("the trace is empty"),
-            ReplayError::Cyclic => f.write_str("something in the net depends on itself"),
+            ReplayError::Cyclic => f.write_str("the net has a dependency cycle"),
             ReplayError::Lowering(reason) => write!(f, "the net cannot be lowered: {reason}"),
             ReplayError::Loading(faults) => {
                 let reasons: Vec<String> = faults.iter().map(ToString::to_string).collect();

@@ -1,4 +1,4 @@
-//! The way that led to a divergence: from the differing port back through the inputs that are off.
+//! Path of a divergence: from the deviating port backwards through the inputs that deviate.
 
 use std::collections::BTreeSet;
 
@@ -11,10 +11,10 @@ use super::recorded::Recorded;
 use super::report::{Divergence, Link};
 use super::text::text;
 
-/// Longer ways are cut: they say no more.
+/// Maximum length of a path. Longer paths give no further information.
 const MAX_LINKS: usize = 64;
 
-/// The way back from a differing out-port.
+/// Returns the path backwards from a deviating out-port.
 pub(super) fn divergence(replay: &Replay<'_>, port: PortRef) -> Divergence {
     let mut path = Vec::new();
     let mut seen = BTreeSet::new();
@@ -29,7 +29,7 @@ pub(super) fn divergence(replay: &Replay<'_>, port: PortRef) -> Divergence {
     }
 }
 
-/// The way back from a port that only passes on what `source` gives.
+/// Returns the path backwards from a port that only forwards `source`.
 pub(super) fn alias_divergence(replay: &Replay<'_>, name: &str, source: &Input) -> Divergence {
     let ty = super::plan::type_of(replay.net, source);
     let computed = replay.input(source);
@@ -85,8 +85,8 @@ fn inputs(replay: &Replay<'_>, port: PortRef) -> Vec<(String, String, String)> {
     ports.filter_map(row).collect()
 }
 
-/// The input that is off most, if one is. The way ends at a delay: what it reads is of the cycle before, in which
-/// nothing differed yet.
+/// Returns the deviating input with the largest deviation, if any. The path ends at a delay: a delay reads a value of
+/// the previous cycle, in which nothing deviated.
 fn worst_input(replay: &Replay<'_>, port: PortRef) -> Option<PortRef> {
     let node = replay.net.node(port.node);
     if node.desc().role == Role::Delay {

@@ -1,4 +1,4 @@
-//! What is looked at in each cycle: for every out-port of the net where it lies in memory and what the trace calls it.
+//! Comparison plan of a replay: for every out-port of the net, its memory location and its port in the trace.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -15,24 +15,24 @@ use crate::trace::{PortId, Trace};
 /// An out-port of a node.
 pub(super) struct Out {
     pub(super) signal: Signal,
-    /// The fragment in the image that it stands in.
+    /// Index of the port's fragment in the image.
     pub(super) fragment: u32,
-    /// Its name in the trace, if it has a row there.
+    /// Port of the trace, if it has a row there.
     pub(super) recorded: Option<PortId>,
     pub(super) measure: Measure,
 }
 
-/// A node.
+/// A node of the net.
 pub(super) struct Watched {
-    /// `outer/inner/name`.
+    /// Path of the node, `outer/inner/name`.
     pub(super) path: String,
-    /// Its out-ports.
+    /// Out-ports of the node.
     pub(super) outs: Vec<Out>,
-    /// True if its out-ports are taken from the trace.
+    /// Whether the out-ports are taken from the trace.
     pub(super) is_input: bool,
 }
 
-/// A named port that only passes on what an out-port or a constant gives.
+/// A named port that forwards an out-port or a constant.
 pub(super) struct Alias {
     pub(super) name: String,
     pub(super) ty: Type,
@@ -40,34 +40,34 @@ pub(super) struct Alias {
     pub(super) place: AliasPlace,
 }
 
-/// What kind of alias.
+/// Kind of an alias.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum AliasPlace {
-    /// An out-port of a fragment: recorded like other out-ports.
+    /// An out-port of a fragment. It is recorded like the out-ports of nodes.
     Border(Option<PortId>),
-    /// An in-port of a node, chosen by the recording.
+    /// An in-port of a node that was selected for recording.
     InPort(PortId),
 }
 
-/// All that is looked at.
+/// All ports that are compared, and the order of comparison.
 pub(super) struct Plan {
-    /// By node index.
+    /// Nodes, by index.
     pub(super) nodes: Vec<Watched>,
     pub(super) aliases: Vec<Alias>,
-    /// Nodes whose out-ports are there before the first step.
+    /// Nodes whose out-ports have their values before the first step.
     pub(super) latched: Vec<NodeId>,
-    /// For each step the nodes that are done after it.
+    /// For each step, the nodes that are complete after it.
     pub(super) done: Vec<Vec<NodeId>>,
-    /// Nodes without a step, constants.
+    /// Nodes without a step, such as constants.
     pub(super) stepless: Vec<NodeId>,
-    /// Ports of the trace that the net does not have.
+    /// Ports of the trace that do not exist in the net.
     pub(super) unmatched: Vec<String>,
-    /// What was added to the numbers in the trace's names.
+    /// Offset that was added to the numbers in the names of the trace.
     pub(super) shift: i64,
 }
 
 impl Plan {
-    /// Lays a net, its image (lowered to be observed) and a trace side by side.
+    /// Creates the plan for a net, its image (lowered with observable ports) and a trace.
     pub(super) fn new(net: &Net, image: &Image, trace: &Trace) -> Plan {
         let in_ports = in_ports(net);
         let known = known(net, &in_ports);
@@ -91,7 +91,7 @@ impl Plan {
         }
     }
 
-    /// The out-port.
+    /// Returns an out-port.
     pub(super) fn out(&self, port: PortRef) -> &Out {
         &self.nodes[port.node.0 as usize].outs[usize::from(port.port)]
     }
@@ -126,7 +126,7 @@ fn watched(net: &Net, image: &Image, names: &Names) -> Vec<Watched> {
     net.node_ids().map(node).collect()
 }
 
-/// Out-ports of fragments below the root.
+/// Iterates over the out-ports of all fragments except the root.
 fn border_ports(net: &Net) -> impl Iterator<Item = (String, &Input)> {
     let inner = net.fragments.iter().filter_map(|f| Some((f.parent?, f)));
     inner.flat_map(|(parent, fragment)| {
@@ -160,7 +160,7 @@ fn in_ports(net: &Net) -> BTreeMap<String, (Type, &Input)> {
         .collect()
 }
 
-/// The type of what runs through an input; none if nothing is connected.
+/// Returns the type of the value at an input; `None` if the input is not connected.
 pub(super) fn type_of(net: &Net, input: &Input) -> Option<Type> {
     match input {
         Input::Open => None,
@@ -173,7 +173,7 @@ pub(super) fn type_of(net: &Net, input: &Input) -> Option<Type> {
     }
 }
 
-/// In-ports that the recording chose.
+/// Returns the in-ports that were selected for recording.
 fn chosen(in_ports: &BTreeMap<String, (Type, &Input)>, names: &Names) -> Vec<Alias> {
     let chosen = names
         .all()
@@ -188,7 +188,7 @@ fn chosen(in_ports: &BTreeMap<String, (Type, &Input)>, names: &Names) -> Vec<Ali
         .collect()
 }
 
-/// The names of all ports of the net.
+/// Returns the names of all ports of the net.
 fn known(net: &Net, in_ports: &BTreeMap<String, (Type, &Input)>) -> BTreeSet<String> {
     let outs = net.nodes.iter().flat_map(|node| {
         let path = net.path(node.fragment, &node.name);
@@ -201,7 +201,7 @@ fn known(net: &Net, in_ports: &BTreeMap<String, (Type, &Input)>) -> BTreeSet<Str
         .collect()
 }
 
-/// For each step the nodes that are done after it, their last one; and the nodes that have none.
+/// Returns the nodes whose last step is a given step, for each step, and the nodes without a step.
 fn done(image: &Image, nodes: &[Watched], ids: &[NodeId]) -> (Vec<Vec<NodeId>>, Vec<NodeId>) {
     let mut last: BTreeMap<&str, usize> = BTreeMap::new();
     for (pc, &place) in image.trace.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! The report for people.
+//! Text output of a replay report.
 
 use std::fmt;
 
@@ -6,7 +6,7 @@ use rpi_diag::counted;
 
 use super::report::{Divergence, Link, Report};
 
-/// Ports listed with their differences.
+/// Maximum number of listed ports.
 const LISTED: usize = 12;
 
 impl fmt::Display for Report {
@@ -32,10 +32,10 @@ impl fmt::Display for Report {
 }
 
 impl Report {
-    /// The report for programs: one JSON object, indented.
+    /// Returns the report as one indented JSON object.
     #[must_use]
     pub fn to_json(&self) -> String {
-        // Strings, numbers and lists of these cannot fail to be written; not-a-number becomes null.
+        // Serialising strings, numbers and lists cannot fail; NaN becomes null.
         serde_json::to_string_pretty(self).unwrap_or_default()
     }
 
@@ -55,24 +55,24 @@ impl Report {
                 row.values, row.entry, row.why
             )?;
         }
-        writeln!(f, "  taken      {:>9} from outside", self.taken)?;
+        writeln!(f, "  inputs     {:>9} taken from the trace", self.taken)?;
         for (count, what) in [
             (
                 self.unknown,
-                "depend on what is not in the trace in that cycle",
+                "depend on values that are missing in the trace",
             ),
-            (
-                self.rewritten,
-                "angles follow the trace's way of writing them",
-            ),
+            (self.rewritten, "angles are equal in another notation"),
         ] {
             if count > 0 {
-                writeln!(f, "  passed by  {count:>9} {what}")?;
+                writeln!(f, "  skipped    {count:>9} {what}")?;
             }
         }
         if let Some(worst) = &self.worst {
             let (off, port, cycle) = (worst.deviation, &worst.port, worst.cycle);
-            writeln!(f, "  worst that agrees {off:.2e}: {port} in cycle {cycle}")?;
+            writeln!(
+                f,
+                "  largest accepted deviation {off:.2e}: {port} in cycle {cycle}"
+            )?;
         }
         Ok(())
     }
@@ -82,7 +82,7 @@ impl Report {
             let shift = self.renumbered;
             writeln!(
                 f,
-                "  the trace is of another run: {shift:+} on the numbers in its generated names"
+                "  the trace is from another run: its generated names are shifted by {shift:+}"
             )?;
         }
         for port in self.unmatched.iter().take(LISTED) {
@@ -92,7 +92,7 @@ impl Report {
             let (code, place, cycle) = (&fault.code, &fault.place, fault.cycle);
             writeln!(
                 f,
-                "  the net ended with fault {code} of {place} in cycle {cycle}"
+                "  the net ended with fault {code} at {place} in cycle {cycle}"
             )?;
         }
         for port in self.ports.iter().take(LISTED) {
@@ -103,7 +103,7 @@ impl Report {
             let (values, first) = (port.values, port.first_cycle);
             writeln!(
                 f,
-                "  {name} ({kind}): {values} differ from cycle {first} on, worst {worst}"
+                "  {name} ({kind}): {values} values differ from cycle {first} on, worst {worst}"
             )?;
         }
         match self.ports.len().saturating_sub(LISTED) {

@@ -1,29 +1,29 @@
-//! The trace of one cycle, read with the types of the net.
+//! One cycle of a trace, parsed with the types of the net.
 
 use rpi_image::Type;
 use rpi_net::literal;
 
 use crate::trace::{PortId, Trace};
 
-/// What the trace says of a port in a cycle.
+/// Recorded value of a port in a cycle.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) enum Recorded {
-    /// Nothing: the port was not recorded in this cycle.
+    /// The port was not recorded in this cycle.
     Unknown,
-    /// It was absent.
+    /// The port was absent.
     Absent,
-    /// It was present with a value that the recorder could not write.
+    /// The port was present with a value that the recorder could not write.
     Opaque,
-    /// It was present with a value of another type than the port has.
+    /// The port was present with a value that does not have the type of the port.
     Foreign(String),
-    /// It carried this value.
+    /// The port had this value, as memory words.
     Value(Vec<u64>),
 }
 
 /// One cycle of a trace.
 pub(super) struct CycleView<'t> {
     trace: &'t Trace,
-    /// Its number, from 1.
+    /// Number of the cycle, from 1.
     pub(super) number: u64,
     complete: bool,
     texts: Vec<Option<&'t str>>,
@@ -39,7 +39,7 @@ impl<'t> CycleView<'t> {
         }
     }
 
-    /// Turns to the cycle of this number.
+    /// Moves to the cycle with this number.
     pub(super) fn turn_to(&mut self, number: u64) {
         self.number = number;
         self.texts.fill(None);
@@ -50,21 +50,21 @@ impl<'t> CycleView<'t> {
         }
     }
 
-    /// The text that the trace has for a port in the cycle before.
+    /// Returns the recorded text of a port in the previous cycle.
     pub(super) fn before(&self, port: PortId) -> Option<&'t str> {
         let cycle = self.trace.at(self.number.checked_sub(1)?)?;
         let row = cycle.rows.iter().find(|row| row.port == port)?;
         Some(self.trace.value(*row))
     }
 
-    /// What the trace says of an out-port of the net; `port` is `None` if it never has a row.
+    /// Returns the recorded value of an out-port of the net. `port` is `None` if the port has no row in the trace.
     pub(super) fn out_port(&self, port: Option<PortId>, ty: Type) -> Recorded {
         let row = port.and_then(|p| self.texts[p.0 as usize]);
         let covered = self.complete || port.is_some_and(|p| self.trace.covers(p, self.number));
         read(row, covered, ty)
     }
 
-    /// What the trace says of an in-port; only recordings of chosen ports have them.
+    /// Returns the recorded value of an in-port. Only traces of selected ports have in-ports.
     pub(super) fn in_port(&self, port: PortId, ty: Type) -> Recorded {
         let covered = self.trace.covers(port, self.number);
         read(self.texts[port.0 as usize], covered, ty)
@@ -77,7 +77,7 @@ fn read(row: Option<&str>, covered: bool, ty: Type) -> Recorded {
         None => Recorded::Unknown,
         Some(text) if is_opaque(text) => Recorded::Opaque,
         Some("null") => Recorded::Absent,
-        // An array with an absent element is no value either.
+        // An array with an absent element is also not a value.
         Some(text) => match literal::read(text, ty) {
             Ok(Some(value)) => Recorded::Value(value.cells().to_vec()),
             Ok(None) | Err(_) => Recorded::Foreign(text.to_owned()),
@@ -85,12 +85,12 @@ fn read(row: Option<&str>, covered: bool, ty: Type) -> Recorded {
     }
 }
 
-/// The reference's recorder writes some objects (matrices) as class name and identity.
+/// Returns true for objects that the recorder of the reference system writes as class name and identity (matrices).
 fn is_opaque(text: &str) -> bool {
     text.contains('@')
 }
 
-/// For each port of the trace whether it carried more than one value.
+/// Returns for each port of the trace whether it had more than one value.
 pub(super) fn varying(trace: &Trace) -> Vec<bool> {
     let mut first: Vec<Option<&str>> = vec![None; trace.ports().count()];
     let mut varies = vec![false; first.len()];

@@ -1,43 +1,43 @@
-//! Whether a computed value agrees with the recorded one.
+//! Comparison of a computed value with the recorded one.
 
 use rpi_image::Type;
 
 use super::compare::{angle_deviation, deviation, near_lock, near_lock_angle};
 use super::recorded::Recorded;
 
-/// How a computed value relates to the recorded one.
+/// Result of comparing a computed value with the recorded one.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) enum Relation {
-    /// Not comparable.
+    /// The values cannot be compared.
     Unknown,
-    /// As near as asked for: how far apart.
+    /// The deviation is within the tolerance.
     Agrees(f64),
-    /// The same angle within what its digits are worth, written differently: what follows has to be computed from the
-    /// recorded one.
+    /// The values are the same angle in different notations, within the tolerance. The recorded value must be used from
+    /// here on.
     Rewritten,
-    /// Too far apart: how far, if both are there.
+    /// The deviation exceeds the tolerance. It is `None` if one value is absent.
     Differs(Option<f64>),
 }
 
-/// What is special about a value that is compared.
+/// How a value is compared.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) enum Nature {
-    /// Nothing.
+    /// As a plain value.
     Plain,
-    /// A real that is an angle.
+    /// As an angle.
     Angle,
-    /// A real that is one of three Euler angles; the recorded middle one.
+    /// As one of three Euler angles. The argument is the recorded middle angle in radians.
     Euler(f64),
 }
 
-/// How near is near enough.
+/// Tolerances of the comparison.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) struct Tolerance {
     pub(super) usual: f64,
     pub(super) near_lock: f64,
 }
 
-/// Compares a value with the recorded one.
+/// Compares a computed value with the recorded one.
 pub(super) fn relate(
     ty: Type,
     nature: Nature,
@@ -53,7 +53,7 @@ pub(super) fn relate(
     }
 }
 
-/// True if two values are equal as far as their digits go.
+/// Returns true if two values are equal within the tolerance.
 pub(super) fn same(ty: Type, a: &[u64], b: &[u64], tolerance: Tolerance) -> bool {
     matches!(
         values(ty, Nature::Plain, (a, b), tolerance),

@@ -1,134 +1,135 @@
-//! What came out of a replay.
+//! Report of a trace replay.
 
 use serde::Serialize;
 
-/// What came out of a replay.
+/// Report of a trace replay.
 #[derive(Clone, PartialEq, Debug, Default, Serialize)]
 pub struct Report {
-    /// The net.
+    /// Name of the net.
     pub net: String,
-    /// Number of cycles replayed.
+    /// Number of replayed cycles.
     pub cycles: u64,
-    /// Values that were recorded and computed, and absences.
+    /// Number of compared values and absences.
     pub compared: Agreed,
-    /// Of these, how many differ, and no documented difference explains it.
+    /// Number of deviating values that no documented difference explains.
     pub differing: u64,
-    /// Values taken from the trace because they came from outside.
+    /// Number of input values taken from the trace.
     pub taken: u64,
-    /// Values not compared because something they depend on is not in the trace in that cycle.
+    /// Number of values not compared because they depend on a value that the trace does not have in that cycle.
     pub unknown: u64,
-    /// Angles near gimbal lock or written a full turn apart, taken over as they were written.
+    /// Number of angles taken from the trace because they were equal in another notation (near gimbal lock or a full
+    /// turn apart).
     pub rewritten: u64,
     /// Values taken from the trace because a documented difference explains them.
     pub explained: Vec<Explained>,
-    /// The largest deviation of a value that agrees.
+    /// Largest deviation within the tolerance.
     pub worst: Option<Worst>,
-    /// The first value that differs, and what led to it.
+    /// First deviating value and the path that led to it.
     pub first: Option<Divergence>,
-    /// All ports with differing values, in order of their first one.
+    /// All ports with deviating values, in order of their first deviation.
     pub ports: Vec<PortTally>,
-    /// Ports of the trace that the net does not have.
+    /// Ports of the trace that do not exist in the net.
     pub unmatched: Vec<String>,
-    /// What was added to the numbers in the trace's generated names so that they are the net's; mostly 0.
+    /// Offset that was added to the numbers in the generated names of the trace; usually 0.
     pub renumbered: i64,
-    /// The fault that ended the net, if one did.
+    /// Fault that ended the net, if any.
     pub fault: Option<Fault>,
 }
 
-/// How much was compared.
+/// Number of compared values.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Serialize)]
 pub struct Agreed {
-    /// Values that were present in the trace.
+    /// Number of values that were present in the trace.
     pub values: u64,
-    /// Absences in the trace.
+    /// Number of absences in the trace.
     pub absences: u64,
 }
 
-/// An entry of the table of differences and what it explains.
+/// A documented difference between the systems and the values that it explains.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize)]
 pub struct Explained {
-    /// The entry.
+    /// Name of the documented difference.
     pub entry: &'static str,
-    /// Why the systems differ.
+    /// Cause of the difference.
     pub why: &'static str,
-    /// How many values it explains.
+    /// Number of explained values.
     pub values: u64,
-    /// The ports, in order of their first such value.
+    /// Ports with explained values, in order of their first one.
     pub ports: Vec<String>,
 }
 
-/// A value that agrees, but not to the bit.
+/// The largest deviation within the tolerance.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Worst {
-    /// The cycle, from 1.
+    /// Cycle, from 1.
     pub cycle: u64,
-    /// The port's path.
+    /// Path of the port.
     pub port: String,
-    /// How far apart.
+    /// Deviation.
     pub deviation: f64,
-    /// What was computed.
+    /// Computed value.
     pub computed: String,
-    /// What was recorded.
+    /// Recorded value.
     pub recorded: String,
 }
 
-/// A value that differs.
+/// First deviating value of a replay.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Divergence {
-    /// The cycle, from 1.
+    /// Cycle, from 1.
     pub cycle: u64,
-    /// The port and the ports that it was computed from, each with what it is off by: the first link is the differing
-    /// port itself, each next one an input of the one before, back to where values begin to differ.
+    /// Path from the deviating port backwards: each link is an input of the previous one. The last link is the port at
+    /// which the deviation begins.
     pub path: Vec<Link>,
 }
 
-/// A port on the way to a divergence.
+/// A port on the path of a divergence.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Link {
-    /// The port's path.
+    /// Path of the port.
     pub port: String,
-    /// The primitive's registered name.
+    /// Registered name of the primitive.
     pub primitive: String,
-    /// What was computed; `null` for an absent value.
+    /// Computed value; `null` if absent.
     pub computed: String,
-    /// What was recorded, if it was.
+    /// Recorded value, if any.
     pub recorded: Option<String>,
-    /// How far apart, if both are there.
+    /// Deviation, if both values are present.
     pub deviation: Option<f64>,
-    /// The cycle in which this port first was off, by however little.
+    /// First cycle in which the port deviated by any amount.
     pub since: Option<u64>,
-    /// What it read: in-port, where from, value.
+    /// Inputs of the node: in-port, source, value.
     pub inputs: Vec<(String, String, String)>,
 }
 
-/// How often a port differs.
+/// Deviations of one port.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct PortTally {
-    /// The port's path.
+    /// Path of the port.
     pub port: String,
-    /// The primitive's registered name.
+    /// Registered name of the primitive.
     pub primitive: String,
-    /// How many of its values differ.
+    /// Number of deviating values.
     pub values: u64,
-    /// The first cycle in which it does.
+    /// First cycle with a deviation.
     pub first_cycle: u64,
-    /// The largest deviation; none if it was there in one run and absent in the other.
+    /// Largest deviation; `None` if only the presence differed.
     pub worst: Option<f64>,
 }
 
 /// A fault that ended a net.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize)]
 pub struct Fault {
-    /// The cycle, from 1.
+    /// Cycle, from 1.
     pub cycle: u64,
-    /// What happened.
+    /// Name of the fault code.
     pub code: String,
-    /// The node to which it happened.
+    /// Path of the node that raised the fault.
     pub place: String,
 }
 
 impl Report {
-    /// True if nothing differs.
+    /// Returns true if no value deviates and the net has all ports of the trace.
     #[must_use]
     pub fn agrees(&self) -> bool {
         self.differing == 0 && self.unmatched.is_empty()

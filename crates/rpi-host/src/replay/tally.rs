@@ -1,9 +1,9 @@
-//! Counting: what agrees, what differs, what a difference between the systems explains.
+//! Counters of a replay: agreeing, deviating and explained values.
 
 use super::recorded::Recorded;
 use super::report::{Explained, PortTally, Report, Worst};
 
-/// A port in a cycle, for the report.
+/// A port in a cycle.
 #[derive(Clone, Copy)]
 pub(super) struct Occasion<'a> {
     pub(super) cycle: u64,
@@ -11,7 +11,7 @@ pub(super) struct Occasion<'a> {
     pub(super) primitive: &'a str,
 }
 
-/// The report while it grows.
+/// A report that is being filled.
 #[derive(Default)]
 pub(super) struct Tally {
     pub(super) report: Report,
@@ -25,7 +25,7 @@ impl Tally {
         tally
     }
 
-    /// Something recorded was compared.
+    /// Counts a compared value.
     pub(super) fn compared(&mut self, recorded: &Recorded) {
         let compared = &mut self.report.compared;
         match recorded {
@@ -34,7 +34,8 @@ impl Tally {
         }
     }
 
-    /// It agrees with this deviation; `texts` gives what was computed and recorded, if it is the worst so far.
+    /// Counts an agreeing value. `texts` returns the computed and recorded texts; it is only called for the largest
+    /// deviation so far.
     pub(super) fn agrees(
         &mut self,
         at: Occasion<'_>,
@@ -54,7 +55,7 @@ impl Tally {
         }
     }
 
-    /// It differs, and nothing explains it. True if it is the first one.
+    /// Counts a deviating value without an explanation. Returns true for the first one.
     pub(super) fn differs(&mut self, at: Occasion<'_>, deviation: Option<f64>) -> bool {
         self.report.differing += 1;
         let ports = &mut self.report.ports;
@@ -74,7 +75,7 @@ impl Tally {
         self.report.differing == 1
     }
 
-    /// It differs, and an entry of the table of differences says why.
+    /// Counts a deviating value that a documented difference explains.
     pub(super) fn explained(&mut self, at: Occasion<'_>, entry: &'static str, why: &'static str) {
         let explained = &mut self.report.explained;
         let known = explained.iter().position(|e| e.entry == entry);

@@ -1,17 +1,17 @@
-//! Values as texts for the report.
+//! Text of the values in a report.
 
 use rpi_image::Type;
 use rpi_net::literal;
 
 use super::recorded::Recorded;
 
-/// The text of a value; `null` for an absent one.
+/// Returns the text of a value; `null` if it is absent.
 pub(super) fn text(value: Option<&[u64]>, ty: Type) -> String {
     value.map_or_else(|| "null".to_owned(), |cells| literal::write(cells, ty))
 }
 
 impl Recorded {
-    /// The text of what was recorded.
+    /// Returns the text of a recorded value.
     pub(super) fn text(&self, ty: Type) -> String {
         match self {
             Recorded::Unknown => "(not recorded)".to_owned(),

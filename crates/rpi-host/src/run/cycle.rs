@@ -1,4 +1,4 @@
-//! The cycle's side of a run: one tick after the other.
+//! Cycle side of a run: executes tick after tick.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -17,27 +17,27 @@ use crate::realtime::Beat;
 use crate::recording::number_of;
 use crate::tape::{TapeIn, Taped};
 
-/// After the last command the devices get this long to come to rest, seconds.
+/// Maximum time in seconds for the devices to come to rest after the last command.
 const SETTLE: f64 = 10.0;
 
-/// Commands of which it is kept that their cycles took too long.
+/// Maximum number of commands whose overruns are recorded.
 const BLAMED: usize = 64;
 
-/// When a run is cut off, in ticks, and how long these are.
+/// Stop conditions of a run, and its tick length.
 #[derive(Clone, Debug)]
 pub(super) struct Bounds {
-    /// Ticks after which the running commands are stopped.
+    /// Tick at which the running commands are stopped.
     pub(super) last: u64,
-    /// Somebody wants them to be stopped now.
+    /// Set to true to stop the run now.
     pub(super) interrupted: Arc<AtomicBool>,
-    /// Somebody wants an emergency stop.
+    /// Set to true for an emergency stop.
     pub(super) emergency: Arc<AtomicBool>,
-    /// Length of a tick, nanoseconds.
+    /// Tick length in nanoseconds.
     pub(super) tick_ns: u64,
 }
 
 impl Bounds {
-    /// Why all commands are to be ended now, if they are.
+    /// Returns the reason to end all commands now, if a stop condition is met.
     fn reached(&self, now: u64) -> Option<Why> {
         let asked = || now >= self.last || self.interrupted.load(Ordering::Relaxed);
         match self.emergency.load(Ordering::Relaxed) {
@@ -47,22 +47,22 @@ impl Bounds {
     }
 }
 
-/// The cycle and everything that it owns.
+/// The cycle and all data that it owns.
 pub(super) struct Cycle {
     executive: Executive<Taped<SimBank>>,
     pub(super) beat: Beat,
     pub(super) watcher: Watcher,
     devices: Box<[DeviceTap]>,
-    /// The next tick, for the host.
+    /// Number of the next tick, read by the host.
     now: Arc<AtomicU64>,
     bounds: Bounds,
-    /// The devices come to rest, until this tick at most.
+    /// Tick at which the run ends even if the devices still move; set once all commands have ended.
     settling: Option<u64>,
-    /// Why all commands were ended before their time, once they were: on request where the run is cut off.
+    /// Reason for which all commands were ended early. [`Why::Request`] if the run was cut off.
     pub(super) halted: Option<Why>,
-    /// Where all goes that is recorded.
+    /// Tape of the recording, if any.
     tape: Option<TapeIn>,
-    /// The first commands whose cycles took too long.
+    /// Overrun statistics of the first commands with overruns.
     pub(super) overran: Vec<(CommandId, Overruns)>,
 }
 
@@ -70,7 +70,7 @@ pub(super) struct Cycle {
 pub(crate) struct DeviceTap {
     pub(super) port: PortId,
     pub(super) channel: usize,
-    /// Room for its value.
+    /// Buffer for the value.
     pub(super) value: Box<[u64]>,
 }
 
@@ -98,7 +98,7 @@ impl Cycle {
         }
     }
 
-    /// One tick.
+    /// Executes one tick.
     pub(super) fn tick(&mut self) {
         let now = self.executive.now();
         let wall_ns = self.beat.wait(now);
@@ -119,7 +119,7 @@ impl Cycle {
         self.now.store(self.executive.now(), Ordering::Release);
     }
 
-    /// The tick ended so many nanoseconds too late, and was so many longer than a period: true if all commands are to be ended for it.
+    /// Handles an overrun; see [`Executive::too_late`]. Returns true if all commands must be ended.
     fn too_late(&mut self, (late_ns, excess_ns): (u64, u64)) -> bool {
         if let Some(sights) = &mut self.watcher.sights {
             sights.overrun(late_ns);
@@ -140,8 +140,8 @@ impl Cycle {
         stop
     }
 
-    /// Whether another tick is wanted: commands run, or devices still come to rest after them. `over` says that no command will
-    /// follow.
+    /// Returns true if another tick is needed: commands run, or devices have not yet come to rest. `over` states that
+    /// no further command will start.
     pub(super) fn goes_on(&mut self, over: bool) -> bool {
         let now = self.executive.now();
         if self.settling.is_none()
@@ -165,7 +165,7 @@ impl Cycle {
         self.executive.halt(why);
     }
 
-    /// Records what has happened since the last tick was recorded.
+    /// Records everything since the last recorded tick.
     fn record(&mut self, moment: (u64, i64), ticked: bool) {
         let (Some(tape), Some(sights)) = (&mut self.tape, &self.watcher.sights) else {
             return;
@@ -176,7 +176,7 @@ impl Cycle {
         }
     }
 
-    /// Records what has happened after the last tick; how many ticks were lost.
+    /// Records everything after the last tick. Returns the number of lost ticks.
     pub(super) fn finish_tape(&mut self) -> u64 {
         let now = self.executive.now();
         let stage = self.executive.plant().stage();
@@ -187,17 +187,17 @@ impl Cycle {
         self.tape.as_ref().map_or(0, TapeIn::lost)
     }
 
-    /// True while what happens in the next ticks can be recorded for certain.
+    /// Returns true while the tape has enough room for the next ticks.
     pub(super) fn has_room(&self) -> bool {
         self.tape.as_ref().is_none_or(TapeIn::has_room)
     }
 
-    /// The devices.
+    /// Returns the devices.
     pub(super) fn bank(&mut self) -> &mut SimBank {
         self.executive.plant().plant()
     }
 
-    /// Samples the devices after they have moved.
+    /// Samples the devices after their step.
     fn sample(&mut self, tick: u64) {
         let (bank, watcher) = (self.executive.plant().plant(), &mut self.watcher);
         for tap in &mut self.devices {
@@ -220,7 +220,7 @@ pub(super) struct Watcher {
     pub(super) tap: Tap,
     pub(super) tick: u64,
     pub(super) flows: Box<[Flows]>,
-    /// What a recording sees.
+    /// Observations for the recording, if any.
     pub(super) sights: Option<Sights>,
 }
 
@@ -231,10 +231,10 @@ impl Watcher {
     }
 }
 
-/// The flows of an image that are sampled.
+/// Sampled flows of an image.
 pub(super) struct Flows {
     pub(super) image: Arc<Image>,
-    /// Channel, flow, and the fragment it stands in.
+    /// Channel, signal, and the index of the signal's fragment.
     pub(super) flows: Box<[(usize, Signal, u32)]>,
 }
 

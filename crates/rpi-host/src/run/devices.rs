@@ -1,4 +1,4 @@
-//! Devices of a cell as a run sees them: what is sampled of them, and how they ended.
+//! Device samples and final device states of a run.
 
 use rpi_device::{DeviceBank, PortKind, PortName};
 use rpi_image::{Scalar, Type};
@@ -9,10 +9,10 @@ use super::cycle::DeviceTap;
 use super::outcome::{DeviceEnd, Trouble};
 use super::samples::{Channel, Source};
 
-/// Kinds of trouble that are told apart per device.
+/// Maximum number of distinct problems listed per device.
 const TROUBLES: usize = 32;
 
-/// The ports that are sampled in every tick: name, how many, type.
+/// Returns the ports that are sampled in every tick: name, number of instances, type.
 fn sampled(kind: &Kind) -> Vec<(&'static str, usize, Scalar)> {
     match kind {
         Kind::Arm(arm) => vec![
@@ -29,7 +29,7 @@ fn sampled(kind: &Kind) -> Vec<(&'static str, usize, Scalar)> {
     }
 }
 
-/// Taps at the devices of a cell, and the channels that they feed, which are the first ones.
+/// Returns the sampled ports of a cell and their channels. The device channels are the first channels of a run.
 pub(crate) fn taps(cell: &Cell, bank: &mut SimBank) -> (Box<[DeviceTap]>, Vec<Channel>) {
     let (mut taps, mut channels) = (Vec::new(), Vec::new());
     for device in &cell.devices {
@@ -72,7 +72,7 @@ fn channel_name(device: &str, port: &str, index: usize, count: usize) -> String 
     }
 }
 
-/// Looks at a port after the devices have moved.
+/// Samples a port after the devices have moved.
 pub(crate) fn sample(
     tap: &mut DeviceTap,
     bank: &mut SimBank,
@@ -82,7 +82,7 @@ pub(crate) fn sample(
     take(tap.channel, there.then_some(&*tap.value));
 }
 
-/// How the devices ended.
+/// Returns the final states of the devices.
 pub(super) fn ends(bank: &mut SimBank) -> Vec<DeviceEnd> {
     let mut ends: Vec<DeviceEnd> = bank
         .status()

@@ -1,4 +1,4 @@
-//! Lets the two sides of a run work: by turns on one thread, or side by side on two.
+//! Executes both sides of a run: alternating on one thread, or in parallel on two.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -16,17 +16,17 @@ use super::outcome::Outcome;
 use super::samples::Sink;
 use crate::realtime::{self, Grant, RealTime};
 
-/// How often the host looks after things on real time.
+/// Period with which the host serves the cycle in real time.
 const SERVE_EVERY: Duration = Duration::from_millis(2);
-/// How often somebody is told how far it is.
+/// Period of the progress callback.
 const TELL_EVERY: Duration = Duration::from_millis(100);
 
-/// Who is told what happens.
+/// Receivers of the samples and the progress of a run.
 pub(super) struct Listener<'a> {
     sink: &'a mut dyn Sink,
     progress: Option<&'a mut Progress<'a>>,
     tick_ns: u64,
-    /// When somebody was last told how far it is.
+    /// Time of the last progress callback.
     last: Instant,
 }
 
@@ -59,7 +59,7 @@ impl<'a> Listener<'a> {
     }
 }
 
-/// The host before each tick, all on one thread: the same run gives the same bits.
+/// Runs host and cycle alternately on one thread, so that the same run gives the same bits.
 pub(super) fn taking_turns(
     mut cycle: Cycle,
     mut host: Host<'_>,
@@ -69,7 +69,7 @@ pub(super) fn taking_turns(
     while cycle.goes_on(host.is_over()) {
         cycle.tick();
         listener.serve(&mut host);
-        // Simulated time has time: nothing is lost.
+        // On simulated time the run waits for the recorder, so that no tick is lost.
         while !cycle.has_room() && host.is_recorded() {
             std::thread::sleep(SERVE_EVERY);
         }
@@ -77,7 +77,7 @@ pub(super) fn taking_turns(
     outcome((cycle, Vec::new()), host, listener)
 }
 
-/// The cycle on a thread of its own; the host here.
+/// Runs the cycle on a thread of its own and the host on this thread.
 pub(super) fn side_by_side(
     cycle: Cycle,
     mut host: Host<'_>,
@@ -105,10 +105,11 @@ pub(super) fn side_by_side(
     }
 }
 
-/// A cycle that is over, with what the system granted it.
+/// A finished cycle with the resources that the operating system granted.
 type Done = (Cycle, Vec<Grant>);
 
-/// Ticks, and gives the cycle back by a queue: behind a fence a thread cannot even end.
+/// Executes ticks until the end, then returns the cycle through a queue. Joining the thread is not possible: with the
+/// system call filter it cannot exit.
 fn tick_until(
     (mut cycle, mut done): (Cycle, Producer<Done>),
     over: &AtomicBool,
@@ -120,7 +121,7 @@ fn tick_until(
     while cycle.goes_on(over.load(Ordering::Relaxed)) {
         cycle.tick();
     }
-    // There is room for one.
+    // The queue has capacity one and is pushed to once.
     let _ = done.push((cycle, grants));
     if fenced {
         realtime::rest();
@@ -143,7 +144,7 @@ fn outcome(
         return Err(Failure::Loading {
             command,
             faults,
-            // None is missing, or the run would not have begun.
+            // All devices were found before the run began.
             devices: Vec::new(),
         });
     }

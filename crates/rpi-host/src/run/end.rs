@@ -1,4 +1,4 @@
-//! How commands end, in words.
+//! Texts for the ends of commands, faults and refusals.
 
 use rpi_core::{Cause, Ending, Refused, Why};
 use rpi_device::{Jump, Quantity};
@@ -10,7 +10,7 @@ use rpi_sim::Cell;
 use super::outcome::RunEnd;
 use crate::node::told;
 
-/// The named result by which a command has ended.
+/// Returns the named result with which a command ended.
 pub(super) fn result_of(image: &Image, ending: Ending) -> Option<&EndResult> {
     match (ending.cause, &image.end) {
         (Cause::Result(k), End::Results(results)) => results.get(k),
@@ -18,7 +18,7 @@ pub(super) fn result_of(image: &Image, ending: Ending) -> Option<&EndResult> {
     }
 }
 
-/// How a command has ended.
+/// Returns how a command ended.
 pub(super) fn of(image: &Image, ending: Ending) -> RunEnd {
     let number = ending.error;
     match ending.cause {
@@ -32,7 +32,7 @@ pub(super) fn of(image: &Image, ending: Ending) -> RunEnd {
                 .place_of(fault.cell)
                 .map_or_else(String::new, |p| p.path.clone()),
             at: None,
-            // The cycle that could not be computed counts, and the first has the number 0.
+            // The faulty cycle is included in the count, and cycles are numbered from 0.
             told: Box::new(told::fault(
                 image,
                 fault,
@@ -61,12 +61,12 @@ fn result(result: Option<&EndResult>, ending: Ending) -> RunEnd {
     }
 }
 
-/// A set-point that does not join, in words.
+/// Returns the description of a discontinuity, with the name of the actuator.
 pub(super) fn jump(jump: &Jump, cell: &Cell) -> String {
     jump_text(jump, &actuator(jump.resource, cell))
 }
 
-/// A set-point of this actuator that does not join, in words.
+/// Returns the description of a discontinuity of an actuator's set-point.
 #[must_use]
 pub fn jump_text(jump: &Jump, actuator: &str) -> String {
     let (what, unit) = match jump.quantity {
@@ -78,7 +78,7 @@ pub fn jump_text(jump: &Jump, actuator: &str) -> String {
     format!("{what} of {actuator} would be {value:.4}{unit} where {limit:.4}{unit} is the limit")
 }
 
-/// What people call an actuator.
+/// Returns the display name of an actuator, for example `arm[2]`.
 fn actuator(resource: u32, cell: &Cell) -> String {
     match cell.actuator(resource) {
         Some((device, own)) => format!("{device}[{own}]"),
@@ -86,36 +86,37 @@ fn actuator(resource: u32, cell: &Cell) -> String {
     }
 }
 
-/// Why the core did not start a command.
+/// Returns the text for the reason for which the core did not start a command.
 pub(super) fn refused(why: Refused, cell: &Cell) -> String {
     match why {
-        Refused::Unknown => "the core does not know it".to_owned(),
-        Refused::State(state) => format!("that does not fit the state {state:?}"),
+        Refused::Unknown => "unknown command".to_owned(),
+        Refused::State(state) => format!("not allowed in state {state:?}"),
         Refused::Held { resource, .. } => {
             let of = actuator(resource, cell);
-            format!("{of}, which it needs, is held by another command")
+            format!("{of} is held by another command")
         }
-        Refused::Successor => "it would follow itself or start twice".to_owned(),
-        Refused::Never => "nothing can start it any more".to_owned(),
-        Refused::Condition => "its rule's condition is nested too deeply".to_owned(),
-        Refused::Period => "its period is no whole multiple of the tick".to_owned(),
-        Refused::Full => "the core's table is full".to_owned(),
+        Refused::Successor => "the command would follow itself or start twice".to_owned(),
+        Refused::Never => "no rule can start the command any more".to_owned(),
+        Refused::Condition => "the condition of the rule is nested too deeply".to_owned(),
+        Refused::Period => "the period is not a multiple of the tick".to_owned(),
+        Refused::Full => "a table of the core is full".to_owned(),
     }
 }
 
-/// Why a command was ended by force, in words.
+/// Returns the text for the reason of an abort.
 #[must_use]
 pub fn stop_text(why: Why) -> &'static str {
     match why {
-        Why::Request => "ended by force, as asked for",
-        Why::Overrun => "cycles took too long, once too often",
+        Why::Request => "aborted on request",
+        Why::Overrun => "too many overruns",
         Why::EmergencyStop => "emergency stop",
-        Why::ClientLost => "its client is gone",
-        Why::Discontinuity => "another command did not join those before it",
+        Why::ClientLost => "the client connection was lost",
+        Why::Discontinuity => "discontinuous takeover by another command",
     }
 }
 
-/// A fault in words.
+/// Returns the text for a fault code.
+// Recordings contain this text and replays compare it, so a changed text makes old recordings with a fault differ.
 #[must_use]
 pub fn fault_text(code: FaultCode) -> &'static str {
     match code {

@@ -1,4 +1,4 @@
-//! The host's side of a run: hears what happens, keeps the books, hands samples on, and lets the tasks go on.
+//! Host side of a run: handles events, collects the outcome, forwards samples and advances the tasks.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -17,36 +17,36 @@ use super::task::{NotStarted, Task, Workshop};
 use crate::control::{Control, Event, Rejected, Setting, Ticket};
 use crate::recording::Recorder;
 
-/// Commands whose ends are listed: a task without end must not fill the memory.
+/// Maximum number of listed commands. The limit bounds the memory of an endless task.
 const LISTED: usize = 1000;
 
-/// The host's side.
+/// Host side of a run.
 pub(super) struct Host<'a> {
     pub(super) desk: Desk<'a>,
     pub(super) tasks: Vec<Task<&'a Plan>>,
     pub(super) drain: Drain,
     pub(super) channels: Vec<Channel>,
     pub(super) books: Books<'a>,
-    /// The last tick of which a sample has arrived.
+    /// Last tick of which a sample has arrived.
     pub(super) last_tick: u64,
-    /// Who writes down what happens.
+    /// Recorder of the run, if any.
     pub(super) recorder: Option<Recorder>,
 }
 
-/// What tasks work with.
+/// State that tasks need to load and start commands.
 pub(super) struct Desk<'a> {
     pub(super) control: Control,
     pub(super) images: &'a [Arc<Image>],
     pub(super) cell: &'a Cell,
-    /// Values for the inputs of each image.
+    /// Input values for each image.
     pub(super) sets: Vec<Vec<Set>>,
-    /// The next tick.
+    /// Number of the next tick.
     pub(super) now: Arc<AtomicU64>,
-    /// Ticks that pass after a command's start before its successors are scheduled.
+    /// Number of ticks after the start of a command before its successors are scheduled.
     pub(super) planning: u64,
-    /// Successors that were not scheduled when their predecessors ended.
+    /// Number of successors that were not yet scheduled when their predecessor ended.
     pub(super) late: u64,
-    /// Those of them that could have taken over in motion.
+    /// Number of these successors that could have taken over in motion.
     pub(super) missed: u64,
 }
 
@@ -55,7 +55,7 @@ impl Desk<'_> {
         self.now.load(Ordering::Acquire)
     }
 
-    /// Loads a command with the values for its inputs.
+    /// Loads a command and sets its input values.
     pub(super) fn load(&mut self, index: usize) -> Result<CommandId, Rejected> {
         let id = self.control.load(Arc::clone(&self.images[index]))?;
         let setting = |(input, value): &Set| Setting {
@@ -71,7 +71,7 @@ impl Desk<'_> {
     }
 }
 
-/// The core as the tasks of a run see it.
+/// Interface between the tasks of a run and the control core.
 struct Bench<'b, 'a> {
     desk: &'b mut Desk<'a>,
     books: &'b mut Books<'a>,
@@ -95,12 +95,12 @@ impl Workshop for Bench<'_, '_> {
     }
 
     fn cancel(&mut self, id: CommandId) {
-        // Who has ended meanwhile need not be asked.
+        // A command that has ended in the meantime need not be cancelled, so a refusal is ignored.
         let _ = self.desk.control.cancel(id);
     }
 
     fn unload(&mut self, id: CommandId) {
-        // It can only be refused if it is unloaded already.
+        // A refusal means that the command was already unloaded.
         let _ = self.desk.control.unload(id);
     }
 
@@ -125,7 +125,7 @@ impl Workshop for Bench<'_, '_> {
             }
             NotStarted::Rejected(why) => why.to_string(),
             NotStarted::Refused(why) => end::refused(why, self.desk.cell),
-            // All rules are dropped where everything is stopped: that is told of those that ran.
+            // Rules are dropped when everything is stopped. The stop is reported for the running commands.
             NotStarted::Dropped => return,
         };
         for index in indices {
@@ -134,14 +134,14 @@ impl Workshop for Bench<'_, '_> {
     }
 }
 
-/// What has become of the commands.
+/// Outcome of the commands, collected during the run.
 pub(super) struct Books<'a> {
     images: &'a [Arc<Image>],
-    /// In the order of their start, the latest at the end.
+    /// Commands in the order of their start.
     pub(super) commands: Vec<(Option<CommandId>, CommandEnd)>,
-    /// How many are not listed any more.
+    /// Number of commands that are no longer listed.
     pub(super) unlisted: u64,
-    /// Why loading has failed, if it has.
+    /// Command that could not be loaded, with the load errors.
     pub(super) failed: Option<(String, Vec<LoadFault>)>,
 }
 
@@ -173,7 +173,7 @@ impl<'a> Books<'a> {
         self.commands.push((Some(id), end));
     }
 
-    /// What is listed of a command.
+    /// Returns the list entry of a command.
     fn listed(&mut self, id: CommandId) -> Option<&mut CommandEnd> {
         let mut latest_first = self.commands.iter_mut().rev();
         let found = latest_first.find(|(known, _)| *known == Some(id));
@@ -187,7 +187,7 @@ impl<'a> Books<'a> {
         }
     }
 
-    /// A command has left something moving, and its device brakes.
+    /// Records that a command left a device moving and that the device braked.
     fn braked(&mut self, id: CommandId, device: &str) {
         if let Some(command) = self.listed(id)
             && !command.braked.iter().any(|known| known == device)
@@ -196,7 +196,7 @@ impl<'a> Books<'a> {
         }
     }
 
-    /// Cycles of a command took too long.
+    /// Records the overruns of a command.
     pub(super) fn overran(&mut self, id: CommandId, overruns: &Overruns) {
         let images = self.images;
         let (Some(command), Some(worst)) = (self.listed(id), overruns.worst) else {
@@ -213,7 +213,7 @@ impl<'a> Books<'a> {
         });
     }
 
-    /// A branch of its task is for the error by which a command has ended.
+    /// Records that the task handles the error with which the command ended.
     fn handled(&mut self, id: CommandId) {
         if let Some(command) = self.listed(id) {
             command.handled = true;
@@ -226,7 +226,7 @@ impl<'a> Books<'a> {
         }
     }
 
-    /// A command could not be loaded.
+    /// Records that a command could not be loaded.
     pub(super) fn not_loaded(&mut self, indices: &[usize], faults: Vec<LoadFault>) {
         let name = indices
             .first()
@@ -234,7 +234,7 @@ impl<'a> Books<'a> {
         self.failed = name.map(|name| (name, faults));
     }
 
-    /// A command could not be started.
+    /// Records that a command could not be started.
     pub(super) fn not_started(&mut self, index: usize, why: String) {
         let end = CommandEnd {
             name: self.images[index].name.clone(),
@@ -251,7 +251,8 @@ impl<'a> Books<'a> {
 }
 
 impl Host<'_> {
-    /// Does all that there is to do now, and hands samples to `sink`; called again and again beside the cycle.
+    /// Processes events, forwards samples to `sink` and advances the tasks. Called repeatedly during the run; never
+    /// blocks.
     pub(super) fn serve(&mut self, sink: &mut dyn Sink) {
         self.listen(sink);
         let mut bench = Bench {
@@ -263,7 +264,7 @@ impl Host<'_> {
         }
     }
 
-    /// Hears what has happened, and starts nothing.
+    /// Processes events and forwards samples to `sink`, without advancing the tasks.
     pub(super) fn listen(&mut self, sink: &mut dyn Sink) {
         while let Some(event) = self.desk.control.poll() {
             self.note(&event);
@@ -275,17 +276,17 @@ impl Host<'_> {
         });
     }
 
-    /// True while somebody writes down what happens.
+    /// Returns true while the recorder accepts data.
     pub(super) fn is_recorded(&self) -> bool {
         self.recorder.as_ref().is_some_and(Recorder::writes)
     }
 
-    /// True once no task will run anything more.
+    /// Returns true once no task will start another command.
     pub(super) fn is_over(&self) -> bool {
         self.books.failed.is_some() || self.tasks.iter().all(|t| t.end().is_some())
     }
 
-    /// The command that was started last.
+    /// Returns the command that was started last.
     pub(super) fn running(&self) -> Option<&CommandEnd> {
         self.books.commands.last().map(|c| &c.1)
     }

@@ -1,4 +1,4 @@
-//! Inputs set from the command line: `key=value`.
+//! Input values from the command line: `key=value`.
 
 use std::fmt;
 use std::str::FromStr;
@@ -9,9 +9,9 @@ use rpi_net::literal;
 /// A value for an input.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Setting {
-    /// The input's key.
+    /// Key of the input.
     pub key: String,
-    /// The value's text.
+    /// Text of the value.
     pub value: String,
 }
 
@@ -27,21 +27,21 @@ impl FromStr for Setting {
     }
 }
 
-/// Why a setting cannot be used.
+/// A setting that cannot be applied.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum BadSetting {
-    /// No command has such an input.
+    /// No command has an input with this key.
     NoInput {
-        /// The key that was asked for.
+        /// Key of the setting.
         key: String,
-        /// The keys that there are.
+        /// Keys of all inputs.
         known: Vec<String>,
     },
-    /// The text is no value of the input's type.
+    /// The text is not a valid value of the input's type.
     Value {
-        /// The input's key.
+        /// Key of the input.
         key: String,
-        /// What is wrong.
+        /// Description of the error.
         message: String,
     },
 }
@@ -50,10 +50,10 @@ impl fmt::Display for BadSetting {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             BadSetting::NoInput { key, known } if known.is_empty() => {
-                write!(f, "there is no input {key}, there are none at all")
+                write!(f, "undefined input {key}: there are no inputs")
             }
             BadSetting::NoInput { key, known } => {
-                write!(f, "there is no input {key}, there are {}", known.join(", "))?;
+                write!(f, "undefined input {key} (inputs: {})", known.join(", "))?;
                 match rpi_diag::suggest(key, known.iter().map(String::as_str)) {
                     Some(meant) => write!(f, "; did you mean {meant}?"),
                     None => Ok(()),
@@ -66,10 +66,10 @@ impl fmt::Display for BadSetting {
 
 impl std::error::Error for BadSetting {}
 
-/// An input's index and the value for it.
+/// Index of an input and its value.
 pub(super) type Set = (usize, Vec<u64>);
 
-/// What the settings mean for each image.
+/// Resolves the settings to input values for each image.
 pub(super) fn resolve(
     settings: &[Setting],
     images: &[&Image],
@@ -101,7 +101,7 @@ fn of_image(settings: &[Setting], image: &Image) -> Result<Vec<Set>, BadSetting>
             };
             let ty = input.value.ty;
             let value = literal::read(&setting.value, ty)
-                .map_err(|e| bad(format!("`{}` is no {ty}: {e}", setting.value)))?;
+                .map_err(|e| bad(format!("`{}` is not a {ty}: {e}", setting.value)))?;
             let value = value.ok_or_else(|| bad(format!("an input of type {ty} needs a value")))?;
             sets.push((index, value.cells().to_vec()));
         }

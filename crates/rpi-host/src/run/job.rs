@@ -1,4 +1,4 @@
-//! A run from beginning to end.
+//! Execution of a run from start to end.
 
 use std::fmt;
 use std::io;
@@ -21,82 +21,83 @@ use crate::control::TooMuch;
 use crate::realtime::{Pace, RealTime};
 use crate::recording::Wanted;
 
-/// Is told now and then which command runs and how long it has.
+/// Callback for progress: the running command and the elapsed time.
 pub type Progress<'a> = dyn FnMut(&CommandEnd, Duration) + 'a;
 
-/// What is to be run, and how.
+/// Description of a run.
 pub struct Job<'a> {
-    /// The commands; all of one period, which is the tick.
+    /// Images of the commands. All have the same period, which is the tick length.
     pub images: &'a [Arc<Image>],
-    /// What runs, all at once: tasks on devices of their own.
+    /// Plans of the tasks, which run in parallel on separate devices.
     pub plans: &'a [Plan],
-    /// The devices.
+    /// Cell with the devices.
     pub cell: &'a Cell,
-    /// What the ticks follow.
+    /// Time base of the ticks.
     pub pace: Pace,
-    /// What is asked of the system on real time.
+    /// Options for real time.
     pub real_time: RealTime,
-    /// What happens if a command takes over with a jump.
+    /// Policy for a takeover with a discontinuity.
     pub continuity: Continuity,
-    /// What its commands may take of a tick, if somebody sees to that.
+    /// Time budget of the commands in a tick; `None` disables the check.
     pub share: Option<Share<'a>>,
-    /// When it is cut off.
+    /// Limits of the run.
     pub limits: Limits,
-    /// Becomes true when somebody wants it to be cut off at once.
+    /// Set to true to cut off the run.
     pub interrupted: Arc<AtomicBool>,
-    /// Becomes true when somebody wants an emergency stop.
+    /// Set to true for an emergency stop.
     pub emergency: Arc<AtomicBool>,
-    /// Values for inputs.
+    /// Input values.
     pub settings: &'a [Setting],
-    /// Where everything is recorded, if it is.
+    /// Options of the recording, if any.
     pub recording: Option<Wanted>,
-    /// Who takes samples.
+    /// Receiver of the samples.
     pub sink: &'a mut dyn Sink,
-    /// Who is told now and then how far it is.
+    /// Progress callback, if any.
     pub progress: Option<&'a mut Progress<'a>>,
 }
 
-/// When a run is cut off, and how slow planning is.
+/// Limits of a run and simulated planning time.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Limits {
-    /// Ticks after which the running command is stopped; none for no end.
+    /// Number of ticks after which the running commands are stopped; `None` for no limit.
     pub ticks: Option<u64>,
-    /// Nanoseconds that it takes after a command's start until its successor is scheduled: as if planning took so long.
+    /// Delay in nanoseconds between the start of a command and the scheduling of its successors. It simulates the time
+    /// of planning.
     pub planning_ns: u64,
 }
 
-/// The most faults that are printed for a command: a device of a wrong kind lacks every port that is used.
+/// Maximum number of printed load errors per command. A device of the wrong kind lacks every port.
 const MAX_FAULTS: usize = 8;
 
-/// Why a run could not begin.
+/// Error that prevents a run, or ends it before it is complete.
 #[derive(Debug)]
 pub enum Failure {
-    /// Nothing is to be run.
+    /// There are no commands.
     Nothing,
     /// The commands have different periods.
     Periods,
-    /// A task says nothing about a result.
+    /// A task does not handle a result of a command, or handles a result that does not exist.
     Plan(String),
-    /// The system gives no thread for the cycle.
+    /// The cycle thread cannot be created, or ended unexpectedly.
     Thread(io::Error),
-    /// The recording could not be written.
+    /// The recording cannot be written.
     Recording(io::Error),
-    /// It may take more of a tick than is granted.
+    /// The commands exceed the time budget of a tick.
     TooMuch {
-        /// The command, or all that run at once.
+        /// Name of the command, or the set of parallel commands.
         what: String,
-        /// By how much.
+        /// Required and available time.
         why: TooMuch,
     },
-    /// A setting does not fit.
+    /// A setting cannot be applied.
     Setting(BadSetting),
-    /// A command does not fit the cell.
+    /// A command cannot run in the cell.
     Loading {
-        /// The command.
+        /// Name of the command.
         command: String,
-        /// Every reason.
+        /// All load errors.
         faults: Vec<LoadFault>,
-        /// The devices that the cell has.
+        /// Names of the devices in the cell.
         devices: Vec<String>,
     },
 }
@@ -105,10 +106,10 @@ impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Failure::Nothing => f.write_str("there is nothing to run"),
-            Failure::Periods => f.write_str("commands that follow one another need one period"),
+            Failure::Periods => f.write_str("all commands need the same period"),
             Failure::Plan(what) => f.write_str(what),
-            Failure::Thread(error) => write!(f, "the thread of the cycle: {error}"),
-            Failure::Recording(error) => write!(f, "the recording: {error}"),
+            Failure::Thread(error) => write!(f, "cycle thread error: {error}"),
+            Failure::Recording(error) => write!(f, "cannot write the recording: {error}"),
             Failure::TooMuch { what, why } => f.write_str(&why.told(what)),
             Failure::Setting(bad) => write!(f, "{bad}"),
             Failure::Loading {
@@ -140,10 +141,11 @@ fn has(devices: &[String]) -> String {
 
 impl std::error::Error for Failure {}
 
-/// Runs commands until the last has ended, or the run is cut off.
+/// Runs commands until the last one has ended or the run is cut off.
 ///
 /// # Errors
-/// If it could not begin; how the commands end is in the outcome.
+/// Returns an error if the run cannot begin, or if a command cannot be loaded later. Faults and errors of commands are
+/// part of the outcome.
 pub fn run(mut job: Job<'_>) -> Result<Outcome, Failure> {
     let tick_ns = tick(job.images)?;
     let complete = |plan: &Plan| plan.check(job.images);
@@ -161,7 +163,7 @@ pub fn run(mut job: Job<'_>) -> Result<Outcome, Failure> {
     }
 }
 
-/// The period that all commands have.
+/// Returns the common period of all commands.
 fn tick(images: &[Arc<Image>]) -> Result<u64, Failure> {
     let period = images.first().ok_or(Failure::Nothing)?.period_ns;
     match images.iter().all(|image| image.period_ns == period) {

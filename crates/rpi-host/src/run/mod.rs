@@ -1,11 +1,12 @@
-//! Running tasks against a simulated cell, on simulated or on real time.
+//! Execution of tasks against a simulated cell, on simulated or real time.
 //!
 //! ```text
-//! host side: tasks work ahead, records, shows      cycle side: ticks, and nothing else
+//! host side: tasks plan ahead, recording, display   cycle side: ticks, and nothing else
 //!   Host::serve -> control::Control  <-- queues -->  control::Executive <- Cycle::tick
 //! ```
-//! A task is a client of the control core as any other: it loads what may follow and makes rules. On simulated time they take turns on one thread, so that the same
-//! run gives the same bits; on real time the cycle has a thread of its own.
+//! A task is an ordinary client of the control core: it loads the commands that may follow and adds rules. On simulated
+//! time both sides alternate on one thread, so that the same run gives the same bits. On real time the cycle has a
+//! thread of its own.
 
 mod cycle;
 mod devices;

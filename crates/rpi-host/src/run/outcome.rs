@@ -1,4 +1,4 @@
-//! What has become of a run.
+//! Outcome of a run.
 
 use rpi_diag::{Finding, SourceMap};
 use serde::Serialize;
@@ -6,93 +6,93 @@ use serde::Serialize;
 use crate::realtime::Figures;
 use crate::recording::Written;
 
-/// What has become of a run.
+/// Outcome of a run.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Outcome {
-    /// The commands in the order of their start.
+    /// Commands in the order of their start.
     pub commands: Vec<CommandEnd>,
-    /// Commands before these, of which only the number is known.
+    /// Number of earlier commands that are no longer listed.
     pub unlisted: u64,
-    /// Successors that were not scheduled when their predecessors ended, and started after a while.
+    /// Number of successors that were not scheduled when their predecessor ended, and started with a delay.
     pub late: u64,
-    /// Those of them whose predecessors would have let them take over in motion.
+    /// Number of these successors that could have taken over in motion.
     pub missed: u64,
-    /// The devices in the order of the cell.
+    /// Devices in the order of the cell.
     pub devices: Vec<DeviceEnd>,
-    /// How long cycles took.
+    /// Timing statistics of the cycles.
     pub figures: Figures,
-    /// Length of a tick, nanoseconds.
+    /// Tick length in nanoseconds.
     pub tick_ns: u64,
-    /// True if it was cut off because it had run as long as asked for.
+    /// True if the run was cut off at its time limit or by the user.
     pub cut_off: bool,
-    /// Why everything was stopped, if it was: an emergency stop, say.
+    /// Reason for a forced stop of all commands, for example an emergency stop.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stopped: Option<String>,
-    /// What the system has said to what was asked of it on real time.
+    /// Results of the requests to the operating system for real time, as text.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub grants: Vec<String>,
-    /// One number for all that the devices did, if it was asked for.
+    /// Digest of the device values, if requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub digest: Option<String>,
-    /// What was recorded, if something was.
+    /// Statistics of the recording, if any.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub recorded: Option<Written>,
-    /// Why the recording is not complete, if it is not: a full disk, say. The run went on without it.
+    /// Error that made the recording incomplete, for example a full disk. The run continued without it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub unrecorded: Option<String>,
-    /// Samples that were lost because the recording could not keep up.
+    /// Number of samples lost because the sink could not keep up.
     pub samples_lost: u64,
 }
 
-/// How the whole run went.
+/// Overall result of a run.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Status {
-    /// Without an error.
+    /// No error.
     Good,
-    /// A command ended with its error.
+    /// A command ended with its own error.
     CommandError,
-    /// A command ended with a fault, or could not be started.
+    /// A command ended with a fault, could not be started, or was stopped.
     Fault,
 }
 
-/// What has become of a command.
+/// Outcome of a command.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct CommandEnd {
-    /// Its name.
+    /// Name of the command.
     pub name: String,
-    /// Tick of its first cycle, from 0; none if it never started.
+    /// Tick of the first cycle, from 0; `None` if the command never started.
     pub first_tick: Option<u64>,
-    /// Number of its cycles.
+    /// Number of executed cycles.
     pub cycles: u64,
-    /// Its end.
+    /// How the command ended.
     pub end: RunEnd,
-    /// The devices that still moved then, and that nobody took over: they have braked on their own.
+    /// Devices that still moved when the command ended and were not taken over. They braked on their own.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub braked: Vec<String>,
-    /// True if it ended with an error that a branch of its task was for.
+    /// True if the command ended with an error that a branch of its task handles.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub handled: bool,
-    /// What did not join when it took over, if something did not.
+    /// Description of the discontinuity at the takeover, if any.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub jump: Option<String>,
-    /// Its cycles that took too long, if any did; only on real time.
+    /// Overruns attributed to the command, if any; only on real time.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub overruns: Option<Blame>,
 }
 
-/// Ticks that ended too late and in which a command took the longest.
+/// Overruns attributed to one command.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize)]
 pub struct Blame {
-    /// How many there were.
+    /// Number of overruns.
     pub count: u64,
-    /// Tick of the worst, from 0.
+    /// Tick of the worst overrun, from 0.
     pub tick: u64,
-    /// How long the command computed in it, nanoseconds.
+    /// Computing time of the command in that tick, nanoseconds.
     pub took_ns: u64,
-    /// By how much the tick ended too late, nanoseconds.
+    /// Time by which that tick ended too late, nanoseconds.
     pub late_ns: u64,
-    /// The fragment that was at work, by its path; empty for the command itself.
+    /// Path of the fragment with the most work; empty for the command itself.
     pub fragment: String,
 }
 
@@ -100,84 +100,84 @@ pub struct Blame {
 #[derive(Clone, PartialEq, Eq, Debug, Serialize)]
 #[serde(rename_all = "kebab-case", tag = "how")]
 pub enum RunEnd {
-    /// With a named result.
+    /// The command ended with a named result.
     Result {
-        /// Its name.
+        /// Name of the result.
         name: String,
-        /// True if it ended in motion, which its successor took over.
+        /// True if the command ended in motion and its successor took over.
         moving: bool,
     },
-    /// By its port `outTerminate`, without an error.
+    /// The command ended by its port `outTerminate`, without an error.
     Terminated,
-    /// With an error.
+    /// The command ended with an error.
     Error {
-        /// Its number.
+        /// Error number.
         number: i64,
-        /// The name of the result, if it has one.
+        /// Name of the result, if it has one.
         name: Option<String>,
     },
-    /// By a fault in a cycle.
+    /// The command ended with a fault.
     Fault {
-        /// What happened.
+        /// Description of the fault.
         what: String,
-        /// The node to which it happened.
+        /// Path of the node that raised the fault.
         place: String,
-        /// Where that stands: `file:line:column`. Known as soon as [`Outcome::find_faults`] has been told the texts.
+        /// Source location, `file:line:column`. Set by [`Outcome::find_faults`].
         #[serde(skip_serializing_if = "Option::is_none")]
         at: Option<String>,
-        /// The same for people, in the text that the image was made of.
+        /// Diagnostic of the fault with its source location.
         #[serde(skip)]
         told: Box<Finding>,
     },
-    /// Cut off, as it had run as long as asked for.
+    /// The command was cut off at the limit of the run or by the user.
     CutOff,
-    /// Ended by force, and not as somebody had asked for it.
+    /// The command was aborted for another reason.
     Stopped {
-        /// Why: an emergency stop, say.
+        /// Reason of the abort, for example an emergency stop.
         why: String,
     },
-    /// The core did not take it.
+    /// The core refused to start the command.
     Refused {
-        /// Why.
+        /// Reason of the refusal.
         why: String,
     },
 }
 
-/// How a device ended.
+/// Final state of a device.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct DeviceEnd {
-    /// Its name.
+    /// Name of the device.
     pub name: String,
-    /// A word for its condition, `ok` if it is well.
+    /// Keyword of its condition; `ok` if it has no error.
     pub condition: String,
-    /// True if it still moves.
+    /// True if the device still moves.
     pub moving: bool,
-    /// What it had against its commands, one entry per kind and axis.
+    /// Problems reported by the device, one entry per kind and axis.
     pub troubles: Vec<Trouble>,
 }
 
-/// Something that a device had against its commands.
+/// A problem reported by a device.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Trouble {
-    /// What, in a word.
+    /// Keyword of the problem.
     pub what: String,
-    /// Whether it is about a set-point, and not that the device itself has failed.
+    /// True if a set-point was refused; false if the device failed.
     #[serde(skip)]
     pub is_refusal: bool,
-    /// Which axis, from 0; none if it concerns the whole device.
+    /// Index of the axis, from 0; `None` if the problem concerns the whole device.
     pub axis: Option<usize>,
-    /// How often.
+    /// Number of occurrences.
     pub times: u64,
-    /// When first, seconds of the cell's time.
+    /// Time of the first occurrence, in seconds of the cell's clock.
     pub first: f64,
-    /// The value that was refused then, in SI units.
+    /// Refused value at the first occurrence, in SI units.
     pub value: f64,
-    /// The limit that it broke; 0 where there is none.
+    /// Violated limit, in SI units; 0 if there is none.
     pub limit: f64,
 }
 
 impl RunEnd {
-    /// How a run is judged that ends so.
+    /// Returns the contribution of this end to the status of the run.
     #[must_use]
     pub fn status(&self) -> Status {
         match self {
@@ -189,9 +189,10 @@ impl RunEnd {
 }
 
 impl Outcome {
-    /// How the run went: as its worst command, but for errors that its task has a branch for. One that was stopped has not gone
-    /// well, whether a command ran then or not; neither has one in which a device had something against its set-points and no
-    /// command minded.
+    /// Returns the overall result: the worst status of all commands, except for handled errors.
+    ///
+    /// A forced stop counts as a fault, whether or not a command was running. A refused set-point also counts as a
+    /// fault unless a command that was running then ended with an error or fault.
     #[must_use]
     pub fn status(&self) -> Status {
         let troubles = self.devices.iter().flat_map(|device| &device.troubles);
@@ -205,12 +206,12 @@ impl Outcome {
             .unwrap_or(Status::Good)
     }
 
-    /// Whether a command that ran when a device refused something has not ended well. Of those that are not listed nothing is
-    /// known any more.
+    /// Returns true if a command that was running when a device refused a set-point ended with an error or fault.
+    /// Returns true as well if there are unlisted commands, because nothing is known about them.
     fn is_minded(&self, trouble: &Trouble) -> bool {
         let tick = trouble.first * 1e9 / self.tick_ns as f64;
         let ran = |command: &CommandEnd| {
-            // What is refused in one cycle is read in the next.
+            // A refusal in one cycle is read by the command in the next one.
             let lasted = |first: f64| first - 1.0..=first + command.cycles as f64 + 1.0;
             let first = command.first_tick.map(|first| first as f64);
             first.is_some_and(|first| lasted(first).contains(&tick))
@@ -219,7 +220,8 @@ impl Outcome {
         self.unlisted > 0 || bad.any(ran)
     }
 
-    /// Finds where the faults of commands stand in the texts that their images were made of, and gives what is told of each.
+    /// Adds the source locations to the faults of all commands and returns the diagnostics of the faults with a known
+    /// location.
     #[must_use]
     pub fn find_faults(&mut self, sources: &SourceMap) -> Vec<Finding> {
         let mut found = Vec::new();
@@ -240,10 +242,10 @@ impl Outcome {
         found
     }
 
-    /// The outcome for programs: one JSON object, indented.
+    /// Returns the outcome as one indented JSON object.
     #[must_use]
     pub fn to_json(&self) -> String {
-        // Strings, numbers and lists of these cannot fail to be written.
+        // Serialising strings, numbers and lists cannot fail.
         serde_json::to_string_pretty(self).unwrap_or_default()
     }
 }

@@ -1,23 +1,23 @@
-//! Which command follows which result: the plan of a task.
+//! Plan of a task: which command follows which result.
 
 use rpi_image::Image;
 use rpi_image::image::{End, EndKind};
 use rpi_net::plan::Target;
 
-/// A node of a plan: its command is the place of an image in a list.
+/// A node of a plan. Commands are indices into a list of images.
 pub type Node = rpi_net::plan::Node<usize>;
 
-/// What a task does.
+/// Plan of a task, as a graph of nodes.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct Plan {
-    /// Its nodes; targets are indices.
+    /// Nodes of the plan. Targets are indices into this list.
     pub nodes: Vec<Node>,
-    /// The first one.
+    /// First node.
     pub start: Target,
 }
 
 impl Plan {
-    /// One command, once.
+    /// Returns a plan that runs one command once.
     #[must_use]
     pub fn once(command: usize) -> Plan {
         let node = Node::Run {
@@ -32,8 +32,9 @@ impl Plan {
         }
     }
 
-    /// The most that its commands take together in a tick, where each takes at most what `of` has for it: of a strand one command runs
-    /// at a time, and none beside strands that it waits for.
+    /// Returns the worst-case time of the plan's commands in one tick. `of` holds the worst-case time of each command.
+    ///
+    /// A branch runs one command at a time, and no command while its own parallel branches run.
     pub(super) fn together(&self, of: &[u64]) -> u64 {
         self.strand(self.start, of)
     }
@@ -58,7 +59,7 @@ impl Plan {
         most
     }
 
-    /// Where a strand can go on after one of its nodes.
+    /// Adds the nodes that may follow a node within its branch.
     fn goes_on(&self, at: usize, next: &mut Vec<usize>) {
         match &self.nodes[at] {
             Node::Pass(then) => next.extend(*then),
@@ -71,7 +72,7 @@ impl Plan {
                 });
                 next.extend(left.chain(*then));
             }
-            // What comes after the strands is not part of one.
+            // Nodes after the join belong to the enclosing branch.
             Node::Join | Node::Leave { .. } => {}
             Node::Run {
                 on,
@@ -85,10 +86,10 @@ impl Plan {
         }
     }
 
-    /// Checks that every result leads somewhere.
+    /// Checks that every result of every command is handled.
     ///
     /// # Errors
-    /// Names the command and what is missing or too much.
+    /// Returns an error that names the command and the unhandled or unknown result.
     pub fn check(&self, images: &[std::sync::Arc<Image>]) -> Result<(), String> {
         self.nodes.iter().try_for_each(|node| match node {
             Node::Run {
@@ -112,13 +113,13 @@ fn complete(image: &Image, on: &[(String, Target)], otherwise: bool) -> Result<(
         .iter()
         .find(|(name, _)| results.iter().all(|r| r.name != *name))
     {
-        return Err(format!("{command} has no result {name}"));
+        return Err(format!("`{command}` has no result `{name}`"));
     }
     let led = |name: &str| on.iter().any(|(own, _)| own == name);
     let mut regular = results.iter().filter(|r| r.kind != EndKind::Fail);
     match regular.find(|r| !otherwise && !led(&r.name)) {
         Some(lost) => Err(format!(
-            "nothing is said for the result {} of {command}",
+            "result `{}` of `{command}` is not handled",
             lost.name
         )),
         None => Ok(()),

@@ -1,4 +1,4 @@
-//! The outcome for people.
+//! Text output of an outcome.
 
 use std::fmt;
 
@@ -43,7 +43,7 @@ impl fmt::Display for Outcome {
 }
 
 impl Outcome {
-    /// How long cycles took.
+    /// Prints the timing statistics.
     fn timing(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "cycle time  {}", self.figures.tick)?;
         if let Some(lateness) = &self.figures.lateness {
@@ -61,7 +61,7 @@ impl Outcome {
         Ok(())
     }
 
-    /// What was written down.
+    /// Prints the digest and the statistics of the recording.
     fn written(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if let Some(digest) = &self.digest {
             writeln!(f, "digest      {digest}")?;
@@ -96,7 +96,7 @@ impl Outcome {
         let seconds = |ticks: u64| ticks as f64 * self.tick_ns as f64 * 1e-9;
         write!(f, "{:width$}  {}", command.name, command.end)?;
         if command.handled {
-            f.write_str(", which its task goes on after")?;
+            f.write_str(", handled by its task")?;
         }
         if !command.braked.is_empty() {
             write!(f, ", and {} braked", command.braked.join(", "))?;
@@ -113,7 +113,7 @@ impl Outcome {
         }
         let jump = command.jump.iter();
         jump.into_iter()
-            .try_for_each(|jump| writeln!(f, "{:width$}  at the switch the {jump}", ""))
+            .try_for_each(|jump| writeln!(f, "{:width$}  at the takeover the {jump}", ""))
     }
 }
 
@@ -171,7 +171,7 @@ impl fmt::Display for Spread {
     }
 }
 
-/// A span of time with three digits.
+/// Formats a duration with three significant digits.
 pub(crate) fn time(nanos: u64) -> String {
     let (value, unit) = match nanos {
         0..1_000 => return format!("{nanos} ns"),

@@ -1,53 +1,53 @@
-//! Samples on their way from the cycle to whoever records them: words in a bounded ring.
+//! Samples on their way from the cycle to the sinks, as words in a bounded ring.
 
 use rpi_image::{Scalar, Type};
 use rtrb::{Consumer, Producer, RingBuffer};
 
-/// A flow that is sampled.
+/// A sampled flow.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Channel {
-    /// Its name: `device.port[index]`, `Command.key`, or a port's path.
+    /// Name: `device.port[index]`, `Command.key`, or the path of a port.
     pub name: String,
-    /// Its type.
+    /// Type of the values.
     pub ty: Type,
-    /// Where it comes from.
+    /// Origin of the flow.
     pub source: Source,
 }
 
-/// Where a flow comes from.
+/// Origin of a sampled flow.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum Source {
     /// A port of a device.
     Device {
-        /// The device.
+        /// Name of the device.
         device: String,
-        /// Its port.
+        /// Name of the port.
         port: &'static str,
-        /// Which of several equal ones, from 0.
+        /// Index among several equal ports, from 0.
         index: usize,
     },
-    /// A command.
+    /// A flow of a command.
     Command,
-    /// A claim of a command, or what it reads: no flow that the program publishes.
+    /// A claim of a command, or a value that a claim reads. The program does not publish this flow.
     Claim,
 }
 
-/// Somebody who takes samples: a recording, a picture.
+/// Receiver of samples, such as a recording or a plot.
 pub trait Sink {
-    /// Learns what there is, once, before the first sample.
+    /// Receives the list of channels. Called once, before the first sample.
     fn channels(&mut self, channels: &[Channel]);
-    /// Takes the value of a channel (by index) in a tick, from 0; `None` for absent.
+    /// Receives the value of a channel (by index) in a tick, from 0; `None` if the flow is absent.
     fn sample(&mut self, channel: usize, tick: u64, value: Option<&[u64]>);
 }
 
-/// Nobody takes samples.
+/// Sink that discards all samples.
 impl Sink for () {
     fn channels(&mut self, _: &[Channel]) {}
 
     fn sample(&mut self, _: usize, _: u64, _: Option<&[u64]>) {}
 }
 
-/// Several who take samples.
+/// Sink that forwards samples to several sinks.
 #[derive(Default)]
 pub struct Several<'a>(pub Vec<&'a mut dyn Sink>);
 
@@ -62,13 +62,13 @@ impl Sink for Several<'_> {
     }
 }
 
-/// Room for samples between two visits of the host, words.
+/// Capacity of the ring in words. It must hold the samples between two visits of the host.
 const CAPACITY: usize = 1 << 20;
-/// Channel with presence, and tick.
+/// Number of words before the value of a sample: channel with presence; tick.
 const HEADER: usize = 2;
 const PRESENT: u64 = 1 << 32;
 
-/// The two ends of a ring for samples of these types.
+/// Creates a ring for samples of channels with these types.
 pub(super) fn ring(types: &[Type]) -> (Tap, Drain) {
     let (producer, consumer) = RingBuffer::new(CAPACITY);
     let widths: Box<[usize]> = types.iter().map(|ty| ty.cells() as usize).collect();
@@ -85,10 +85,10 @@ pub(super) fn ring(types: &[Type]) -> (Tap, Drain) {
     (tap, drain)
 }
 
-/// The cycle's end: neither waits nor allocates; what does not fit is counted.
+/// Cycle side of the ring. It neither blocks nor allocates; samples that do not fit are counted.
 pub(super) struct Tap {
     ring: Producer<u64>,
-    /// Samples for which there was no room.
+    /// Number of samples dropped because the ring was full.
     pub(super) lost: u64,
 }
 
@@ -102,13 +102,13 @@ impl Tap {
         let present = if value.is_some() { PRESENT } else { 0 };
         let words = [channel as u64 | present, tick];
         for word in words.iter().chain(cells) {
-            // There is room, as was just seen; nobody else writes.
+            // The free slots were checked above, and this is the only producer.
             let _ = self.ring.push(*word);
         }
     }
 }
 
-/// The host's end.
+/// Host side of the ring.
 pub(super) struct Drain {
     ring: Consumer<u64>,
     widths: Box<[usize]>,
@@ -116,7 +116,7 @@ pub(super) struct Drain {
 }
 
 impl Drain {
-    /// Hands all complete samples that have arrived on, in order.
+    /// Passes all complete samples in the ring to `take`, in order.
     pub(super) fn each(&mut self, mut take: impl FnMut(usize, u64, Option<&[u64]>)) {
         while let Some((channel, present)) = self.next() {
             let _ = self.ring.pop();
@@ -129,7 +129,7 @@ impl Drain {
         }
     }
 
-    /// The next sample, if it is there as a whole.
+    /// Returns channel and presence of the next sample, if it is complete.
     fn next(&self) -> Option<(usize, bool)> {
         let word = *self.ring.peek().ok()?;
         let (channel, present) = ((word & (PRESENT - 1)) as usize, word & PRESENT != 0);

@@ -1,4 +1,4 @@
-//! Whether commands fit the share of a tick that is theirs, before any of them runs.
+//! Static check that the commands of a run fit the time budget of a tick.
 
 use rpi_core::Command;
 
@@ -6,17 +6,19 @@ use super::job::Failure;
 use super::plan::Plan;
 use crate::control::Budget;
 
-/// What the commands of a run may take of a tick, and what is known about them.
+/// Time budget of a run and the known bounds of its commands.
 #[derive(Clone, Copy, Debug)]
 pub struct Share<'a> {
-    /// What they may take.
+    /// Time budget of all commands in a tick.
     pub budget: Budget,
-    /// For each the bound on what its primitives do, in elementary operations, where a compiler has shown one.
+    /// For each command, the bound computed by the compiler on the work of its primitives, in elementary operations, if
+    /// available.
     pub work: &'a [Option<u64>],
 }
 
 impl Share<'_> {
-    /// Fails if one of these commands, in the order of their images, or all that run at once by the plans may take more.
+    /// Returns an error if a command, or all commands that may run in parallel, exceed the budget. `commands` is in the
+    /// order of the images.
     pub(super) fn admit(&self, commands: &mut [Command], plans: &[Plan]) -> Result<(), Failure> {
         for (command, work) in commands.iter_mut().zip(self.work) {
             work.iter().for_each(|work| command.bound_work(*work));
@@ -30,7 +32,7 @@ impl Share<'_> {
             grants(&|| command.machine().image().name.clone(), *time)?;
         }
         let all = plans.iter().map(|plan| plan.together(&times));
-        let at_once = || "what runs at once".to_owned();
+        let at_once = || "the set of parallel commands".to_owned();
         grants(&at_once, all.fold(0, u64::saturating_add))
     }
 }

@@ -1,4 +1,4 @@
-//! Makes the two sides of a run and what lies between them.
+//! Setup of a run: creates the cycle side, the host side and the queues between them.
 
 use std::io;
 use std::sync::Arc;
@@ -23,7 +23,7 @@ use crate::realtime::{Beat, Pace};
 use crate::recording::{Recorder, Wanted};
 use crate::tape::{TapeIn, Taped, tape};
 
-/// The cycle's and the host's side of a job.
+/// Creates the cycle side and the host side of a job.
 pub(super) fn sides<'a>(
     job: &Job<'a>,
     tick_ns: u64,
@@ -80,7 +80,7 @@ pub(super) fn sides<'a>(
     Ok((cycle, host))
 }
 
-/// How large its core is, and what becomes of commands that misbehave.
+/// Returns the capacities and policies of the control core.
 fn options(job: &Job<'_>, tick_ns: u64) -> Options {
     Options {
         tick_ns,
@@ -91,7 +91,7 @@ fn options(job: &Job<'_>, tick_ns: u64) -> Options {
     }
 }
 
-/// What tasks work with.
+/// Creates the state that tasks need to load and start commands.
 fn desk<'a>(
     job: &Job<'a>,
     (control, sets): (Control, Vec<Vec<Set>>),
@@ -110,7 +110,7 @@ fn desk<'a>(
     }
 }
 
-/// The two ends of a recording: the host's, which hears of every request from now on, and the cycle's.
+/// Starts the recording and returns its host side and its tape. The recorder receives every request from now on.
 fn record(
     job: &Job<'_>,
     wanted: Wanted,
@@ -126,7 +126,7 @@ fn record(
     Ok((recorder, tape_in))
 }
 
-/// Loads every command once to see that it fits: the cell, and the share of a tick that is theirs.
+/// Loads every command once to check that it can run in the cell and fits the time budget.
 fn fits(job: &Job<'_>, names: &mut SimBank) -> Result<(), Failure> {
     let load = |image: &Arc<Image>| {
         let loaded = Command::load(Arc::clone(image), names);
@@ -142,7 +142,7 @@ fn fits(job: &Job<'_>, names: &mut SimBank) -> Result<(), Failure> {
     share.map_or(Ok(()), |share| share.admit(&mut commands, job.plans))
 }
 
-/// What is sampled of each image.
+/// Adds a channel for each sampled flow and returns the flows of each image.
 fn flows(images: &[Arc<Image>], channels: &mut Vec<Channel>) -> Box<[Flows]> {
     let mut of = |image: &Arc<Image>| {
         let mut flows = Vec::new();
@@ -167,7 +167,8 @@ fn flows(images: &[Arc<Image>], channels: &mut Vec<Channel>) -> Box<[Flows]> {
     images.iter().map(&mut of).collect()
 }
 
-/// The flows of an image that are sampled, each with its fragment: every port if it was lowered to be looked at, else what it exports.
+/// Returns the sampled flows of an image with their fragments: all ports if the image was lowered with observable
+/// ports, otherwise the exports.
 pub(crate) fn sampled_flows(image: &Image) -> Vec<(String, Signal, u32)> {
     if image.probes.is_empty() {
         let exports = image.exports.iter();

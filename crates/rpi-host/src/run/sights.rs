@@ -1,4 +1,4 @@
-//! What a recording sees of commands and devices in a tick, bit for bit.
+//! Bit-exact observations of commands and devices for a recording.
 
 use std::sync::Arc;
 
@@ -9,20 +9,20 @@ use rpi_image::image::Signal;
 use super::sides::sampled_flows;
 use crate::tape::{Kind, Stage};
 
-/// Words for what is seen in a tick.
+/// Capacity in words of the observations of one tick.
 const CAPACITY: usize = 1 << 16;
 
-/// An image, and its flows that are noted with their names' numbers.
+/// An image and its recorded flows with their fragments.
 type Noted = (Arc<Image>, Box<[(Signal, u32)]>);
 
-/// Notes the flows of commands at the end of their cycles.
+/// Records the flows of commands at the end of their cycles.
 pub(crate) struct Sights {
     images: Vec<Noted>,
     stage: Stage,
 }
 
 impl Sights {
-    /// Of commands that run these images, and of what others export.
+    /// Creates an observer. For images that are not listed here, the exports are recorded.
     pub(crate) fn new(images: &[Arc<Image>]) -> Sights {
         let flows = |image: &Arc<Image>| {
             let flows = sampled_flows(image).into_iter();
@@ -35,24 +35,24 @@ impl Sights {
         }
     }
 
-    /// The next tick begins.
+    /// Discards the observations of the previous tick.
     pub(crate) fn begin(&mut self) {
         self.stage.clear();
     }
 
-    /// What was seen in this tick.
+    /// Returns the observations of this tick.
     pub(crate) fn stage(&self) -> &Stage {
         &self.stage
     }
 
-    /// The tick ended so many nanoseconds after the next one was due.
+    /// Records that the tick ended `late_ns` after the next one was due.
     pub(crate) fn overrun(&mut self, late_ns: u64) {
         self.stage.put(Kind::Overrun, 0, false, &[&[late_ns]]);
     }
 
-    /// A port of a device that is looked at after the tick.
+    /// Records the value of a device port after the tick.
     pub(crate) fn sample(&mut self, channel: usize, value: Option<&[u64]>) {
-        // Fewer than 2^32 ports.
+        // There are fewer than 2^32 ports.
         let (key, cells) = (channel as u32, value.unwrap_or(&[]));
         self.stage.put(Kind::Sample, key, value.is_some(), &[cells]);
     }
@@ -71,7 +71,7 @@ impl Watch for Sights {
         };
         match self.images.iter().find(mine) {
             Some((_, flows)) => (0..).zip(flows).for_each(|(k, f)| note(k, f.0, f.1)),
-            // As `sampled_flows` has it for an image that was lowered to run.
+            // The same flows as `sampled_flows` returns for an image without observable ports.
             None => (0..)
                 .zip(&machine.image().exports)
                 .for_each(|(k, e)| note(k, e.value, 0)),

@@ -1,4 +1,4 @@
-//! Where one stands in the plan of a task, and where it goes on from there.
+//! Positions in the plan of a task and the steps between them.
 
 use rpi_image::Image;
 use rpi_image::image::{End, EndKind};
@@ -6,60 +6,60 @@ use rpi_image::image::{End, EndKind};
 use super::plan::{Node, Plan};
 use rpi_net::plan::Target;
 
-/// A place in a plan: a node, and how often each repetition was gone through.
+/// A position in a plan: a node and the iteration count of each repetition.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(super) struct Cursor {
     node: usize,
     counts: Vec<u64>,
 }
 
-/// Where a plan goes on.
+/// Next step of a plan.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(super) enum Place {
-    /// With a command.
+    /// Run a command.
     Run(Cursor),
-    /// With several strands at once.
+    /// Run several branches in parallel.
     Split {
-        /// The node with the strands.
+        /// Node with the branches.
         at: Cursor,
-        /// Where each begins; [`Place::Joined`] for one without a command.
+        /// First place of each branch; [`Place::Joined`] for an empty branch.
         strands: Vec<Place>,
     },
-    /// This strand is over.
+    /// The branch has ended and waits for the join.
     Joined,
-    /// The strands are left by an error.
+    /// The parallel branches are left because of an error.
     Left(Exit),
-    /// The task is done.
+    /// The task has finished.
     Done,
     /// The task ends with the error.
     Error,
 }
 
-/// How strands are left by an error.
+/// Target of an error that leaves parallel branches.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Exit {
-    /// The task ends with it.
+    /// The task ends with the error.
     Error,
-    /// The strands of this node are ended, and it goes on there.
+    /// The branches of the node with this index end, and the plan continues at the target.
     To(usize, Target),
 }
 
-/// Results (by index) of a command by which it comes to a place.
+/// Results (by index) of a command that lead to a place.
 #[derive(Clone, PartialEq, Eq, Default, Debug)]
 pub(super) struct By {
-    /// Without an error.
+    /// Results without an error.
     pub(super) regular: Vec<u32>,
-    /// With one.
+    /// Results with an error.
     pub(super) fails: Vec<u32>,
 }
 
 impl Plan {
-    /// Where it begins.
+    /// Returns the first place of the plan.
     pub(super) fn first(&self) -> Place {
         self.from(self.start, vec![0; self.nodes.len()])
     }
 
-    /// The command at a place.
+    /// Returns the command at a position.
     pub(super) fn command(&self, cursor: &Cursor) -> usize {
         match &self.nodes[cursor.node] {
             Node::Run { command, .. } => *command,
@@ -67,7 +67,8 @@ impl Plan {
         }
     }
 
-    /// What follows when the command at a place ends by the result of this name; without one, by its port.
+    /// Returns the place that follows when the command ends with the given result; `None` stands for an end by its
+    /// port.
     pub(super) fn after(&self, cursor: &Cursor, result: Option<(&str, EndKind)>) -> Place {
         let Node::Run {
             on,
@@ -91,7 +92,7 @@ impl Plan {
         }
     }
 
-    /// What follows once all strands of a place are over.
+    /// Returns the place that follows once all branches of a parallel node have ended.
     pub(super) fn behind(&self, split: &Cursor) -> Place {
         match &self.nodes[split.node] {
             Node::Parallel { then, .. } => self.from(*then, split.counts.clone()),
@@ -99,7 +100,8 @@ impl Plan {
         }
     }
 
-    /// Where it goes on after the strands of a place were left, if they were left by this.
+    /// Returns the place at which the plan continues after the branches were left through this exit; `None` if the exit
+    /// belongs to an outer node.
     pub(super) fn out_of(&self, split: &Cursor, exit: Exit) -> Option<Place> {
         match exit {
             Exit::To(node, then) if node == split.node => {
@@ -109,7 +111,7 @@ impl Plan {
         }
     }
 
-    /// All places to which the command at a place may come, with the results that lead there.
+    /// Returns all possible next places of a command with the results that lead there.
     pub(super) fn ways(&self, cursor: &Cursor, image: &Image) -> Vec<(Place, By)> {
         let results = match &image.end {
             End::Results(results) => results.as_slice(),
@@ -131,11 +133,12 @@ impl Plan {
         all
     }
 
-    /// The next command, or the next strands, from here on.
+    /// Returns the next command or parallel node, starting at a target.
     fn from(&self, from: Target, mut counts: Vec<u64>) -> Place {
         let mut at = from;
-        // Repeats of which a round has been looked through: one in which nothing runs is like all others.
+        // Repetitions of which an empty iteration was found. All further iterations of them are empty as well.
         let mut looked_through = vec![false; self.nodes.len()];
+        // The bound ends the search in plans with a cycle of nodes that run no command.
         for _ in 0..=2 * self.nodes.len() {
             let Some(node) = at else { return Place::Done };
             at = match self.nodes.get(node) {
@@ -165,7 +168,7 @@ impl Plan {
                         return Place::Done;
                     }
                     let again = !is_known && times.is_none_or(|times| counts[node] < times);
-                    // Without a number nothing is counted: the same place comes again.
+                    // Endless repetitions are not counted, so that equal positions compare equal.
                     counts[node] += u64::from(again && times.is_some());
                     if again { *body } else { *then }
                 }
@@ -189,7 +192,7 @@ mod tests {
         }
     }
 
-    /// The commands that run if each ends by `result`.
+    /// Returns the commands that run if each of them ends with `result`.
     fn walk(plan: &Plan, result: &str, kind: EndKind, most: usize) -> Vec<usize> {
         let mut all = Vec::new();
         let mut at = plan.first();
@@ -203,7 +206,7 @@ mod tests {
         all
     }
 
-    /// `repeat 2 times let repeat 2 times let 1 tel; 2 tel`
+    /// Plan: `repeat 2 times let repeat 2 times let 1 tel; 2 tel`
     fn nested() -> Plan {
         let repeat = |times, body, then| Node::Repeat {
             times,
@@ -231,7 +234,7 @@ mod tests {
         );
     }
 
-    /// M11.4.
+    /// M11.4: a branch on a result is taken, and an unhandled `fail` ends the task.
     #[test]
     fn branches_are_taken_and_a_fail_ends_it() {
         assert_eq!(walk(&nested(), "back", EndKind::Finish, 4), [1, 1, 1, 1]);
@@ -285,7 +288,7 @@ mod tests {
         assert_eq!(walk(&Plan::once(3), "done", EndKind::Finish, 9), [3]);
     }
 
-    /// Two strands: command 1 twice, and command 2; then command 3. (M11.6)
+    /// Plan with two branches: command 1 twice, and command 2; then command 3. (M11.6)
     fn two_strands() -> Plan {
         let nodes = vec![
             Node::Parallel {

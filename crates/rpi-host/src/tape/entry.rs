@@ -1,39 +1,41 @@
-//! One thing that happened, as numbers.
+//! Encoding of tape entries.
 
-/// What happened.
+/// Kind of a tape entry. Each description lists the meaning of the key, the flag and the words.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub(crate) enum Kind {
-    /// A sensor was read. Key: port; flag: there was a sample; words: its cells.
+    /// Read of a sensor. Key: port; flag: a sample was available; words: memory words of the sample.
     Read = 1,
-    /// A set-point was shown to a device before. Key: port; words: what it has against it, as bits.
+    /// Check of a set-point by its device. Key: port; words: the reasons for a refusal, as bits.
     Check = 2,
-    /// The error of a device was asked for. Key: port; words: the code.
+    /// Query of a device error. Key: port; words: error code.
     Error = 3,
-    /// It was asked whether a set-point joins. Key: port; flag: it does not; words: actuator, quantity, value, limit.
+    /// Query of a discontinuity. Key: port; flag: the set-point is discontinuous; words: actuator, quantity, value,
+    /// limit.
     Jump = 4,
-    /// A function of a device was called. Key: port; flag: there was a result; words: its cells.
+    /// Call of a device function. Key: port; flag: there was a result; words: memory words of the result.
     Call = 5,
-    /// It was asked whether an actuator moves. Key: actuator; flag: it does.
+    /// Query of an actuator's motion. Key: actuator; flag: the actuator moves.
     Moving = 6,
-    /// A set-point was handed over. Key: port; words: its cells.
+    /// Write of a set-point. Key: port; words: memory words of the set-point.
     Write = 7,
-    /// An actuator was told to stop. Key: actuator.
+    /// Stop of an actuator. Key: actuator.
     Stop = 8,
-    /// An actuator was told its period. Key: actuator; words: ticks.
+    /// Period of an actuator's set-points. Key: actuator; words: number of ticks.
     Pace = 9,
-    /// How a device does at the end of a tick. Key: device; flag: it moves; words: its error code.
+    /// State of a device at the end of a tick. Key: device; flag: the device moves; words: error code.
     Condition = 10,
-    /// All commands were ended between two ticks. Key: why.
+    /// End of all commands between two ticks. Key: number of the reason.
     Halt = 11,
-    /// A flow of a command at the end of its cycle. Key: which of its flows; flag: it is present; words: number of the command,
-    /// cells.
+    /// Flow of a command at the end of its cycle. Key: index of the flow; flag: the flow is present; words: number of
+    /// the command, memory words of the value.
     Flow = 12,
-    /// A port of a device after it has moved. Key: which of those that are looked at; flag: there is a value; words: its cells.
+    /// Sample of a device port after a tick. Key: index of the sampled port; flag: there is a value; words: memory
+    /// words of the value.
     Sample = 13,
-    /// A tick ended when the next one was due already. Words: by how many nanoseconds.
+    /// Overrun of a tick. Words: nanoseconds by which the tick ended after the next one was due.
     Overrun = 14,
-    /// A tick that ended too late is put down to a command. Key: the fragment that was at work; words: number of the command,
-    /// nanoseconds that it took, and by which the tick was late.
+    /// Attribution of an overrun to a command. Key: fragment with the most work; words: number of the command, its time
+    /// in nanoseconds, nanoseconds by which the tick ended too late.
     Blamed = 15,
 }
 
@@ -61,7 +63,7 @@ impl Kind {
     }
 }
 
-/// One thing that happened.
+/// An entry of a tape.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct Entry<'a> {
     pub(crate) kind: Kind,
@@ -75,13 +77,13 @@ const KIND: u32 = 56;
 const LEN: u32 = 32;
 const MOST: u64 = (1 << 23) - 1;
 
-/// The head of an entry.
+/// Encodes the head word of an entry.
 pub(super) fn head(kind: Kind, key: u32, flag: bool, len: usize) -> u64 {
     let flag = if flag { FLAG } else { 0 };
     (kind as u64) << KIND | flag | (len as u64 & MOST) << LEN | u64::from(key)
 }
 
-/// The first entry, and what follows it; none at the end and where no entry begins.
+/// Decodes the first entry. Returns the entry and the remaining words; `None` at the end or if the words are invalid.
 pub(super) fn split(words: &[u64]) -> Option<(Entry<'_>, &[u64])> {
     let (head, rest) = words.split_first()?;
     let len = usize::try_from(head >> LEN & MOST).ok()?;
@@ -95,7 +97,7 @@ pub(super) fn split(words: &[u64]) -> Option<(Entry<'_>, &[u64])> {
     Some((entry, rest))
 }
 
-/// All entries of a row; it ends early where no entry begins.
+/// Decodes a list of entries. The iteration ends at the first invalid entry.
 pub(crate) fn entries(mut words: &[u64]) -> impl Iterator<Item = Entry<'_>> {
     std::iter::from_fn(move || {
         let (entry, rest) = split(words)?;

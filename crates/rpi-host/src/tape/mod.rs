@@ -1,17 +1,16 @@
-//! The tape: all that passed between the core and its devices in a tick, and what the commands computed, as numbers in
-//! the order in which it happened.
+//! Tape: a log of the exchange between core and devices in each tick, and of the flows that the commands computed.
 //!
-//! With a tape in place of the devices the core does again what it has done, bit for bit, whatever the devices were. A tape is a
-//! row of ticks, a tick is a header and two rows of entries:
+//! With a tape in place of the devices, a replay of the core is bit-exact, whatever the devices were. A tape is a
+//! sequence of ticks. A tick is a header and two lists of entries:
 //!
 //! ```text
-//! tick    = lost, number, clock, kind, n, m, n words of exchange, m words of sights
-//!           lost: ticks before this one for which there was no room; clock: ns since the Unix epoch;
-//!           kind: 0 for a tick, 1 for what happened between two without a tick after it
+//! tick    = lost, number, clock, kind, n, m, n words of device exchange, m words of observations
+//!           lost: number of ticks dropped before this one; clock: ns since the Unix epoch;
+//!           kind: 0 for a tick, 1 for entries between two ticks without a tick after them
 //! entry   = head, words
 //! head    = kind << 56 | flag << 55 | number of words << 32 | key
 //! ```
-//! What the kinds, flags and keys mean stands in the table of [`Kind`]. This module must not know what a recording is written to.
+//! [`Kind`] documents the kinds, flags and keys. This module must not depend on the file format of recordings.
 
 mod entry;
 mod player;

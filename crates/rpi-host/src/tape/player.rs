@@ -1,4 +1,5 @@
-//! A tape in place of the devices: gives the answers that they gave, and sees whether the same is asked and commanded.
+//! Replays a tape in place of the devices: returns the recorded answers and compares the accesses and set-points with
+//! the tape.
 
 use std::cell::RefCell;
 use std::ops::Range;
@@ -8,32 +9,32 @@ use rpi_device::{DeviceBank, Jump, PortId, PortName, Quantity, Refusal, ResolveE
 use super::entry::{Entry, Kind, split};
 use crate::control::{CommandId, Late, Plant};
 
-/// What was done otherwise than on the tape, in the exchange of a tick.
+/// A difference between the tape and the replay in the device exchange of a tick.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) enum Mismatch {
-    /// Another set-point.
+    /// The set-point differs.
     SetPoint {
         port: u32,
         recorded: Vec<u64>,
         now: Vec<u64>,
     },
-    /// Something else was asked for or told.
+    /// The access is not the next one on the tape.
     Asked {
         recorded: Option<(Kind, u32)>,
         now: (Kind, u32),
     },
-    /// Not all was asked for or told.
+    /// The replay did not make an access that is on the tape.
     Unasked(Kind, u32),
 }
 
-/// The devices of a recording.
+/// Device bank of a replay.
 pub(crate) struct Player {
     devices: usize,
-    // Questions do not change the devices, but move the tape on. One thread owns all this: the cell is never taken twice.
+    // Queries take `&self` but advance the tape. A single thread owns the player, so the cell is never borrowed twice.
     state: RefCell<State>,
 }
 
-/// The exchange of a tick, and how far it has been played.
+/// Device exchange of a tick and the read position in it.
 #[derive(Default)]
 struct State {
     words: Vec<u64>,
@@ -49,7 +50,8 @@ impl State {
         Some((entry, self.words.len() - after.len()))
     }
 
-    /// The next entry, if it is this one. Nothing is played any more once something differs.
+    /// Returns the next entry if it has this kind and key, and advances. Otherwise the mismatch is stored, and nothing
+    /// more is replayed.
     fn next(&mut self, kind: Kind, key: u32) -> Option<Entry<'_>> {
         if self.mismatch.is_some() {
             return None;
@@ -72,7 +74,7 @@ impl State {
 }
 
 impl Player {
-    /// So many devices.
+    /// Creates a player for this number of devices.
     pub(crate) fn new(devices: usize) -> Player {
         Player {
             devices,
@@ -80,7 +82,7 @@ impl Player {
         }
     }
 
-    /// The next tick's exchange.
+    /// Loads the device exchange of the next tick.
     pub(crate) fn load(&mut self, exchange: &[u64]) {
         let state = self.state.get_mut();
         state.words.clear();
@@ -88,7 +90,7 @@ impl Player {
         (state.at, state.loaded) = (0, true);
     }
 
-    /// Why all commands were ended here, if they were.
+    /// Returns the number of the reason if the next entry is the end of all commands.
     pub(crate) fn halted(&mut self) -> Option<u32> {
         let state = self.state.get_mut();
         let (entry, end) = state.peek().filter(|(e, _)| e.kind == Kind::Halt)?;
@@ -97,7 +99,7 @@ impl Player {
         Some(why)
     }
 
-    /// To whom it is put down that the tick ended too late, if that comes next.
+    /// Returns the attribution of an overrun if it is the next entry.
     pub(crate) fn too_late(&mut self) -> Option<Late> {
         let state = self.state.get_mut();
         let (entry, end) = state.peek()?;
@@ -106,7 +108,7 @@ impl Player {
         Some(late)
     }
 
-    /// What was done otherwise in this tick, once it is over.
+    /// Returns the difference of this tick, if any. Called after the tick.
     pub(crate) fn mismatch(&mut self) -> Option<Mismatch> {
         let state = self.state.get_mut();
         let left = state.peek().map(|(e, _)| Mismatch::Unasked(e.kind, e.key));
@@ -118,7 +120,7 @@ impl Player {
         state.next(kind, key).map(take)
     }
 
-    /// An answer of cells.
+    /// Copies the answer of an entry into a buffer and returns its flag.
     fn cells(&self, kind: Kind, key: u32, into: &mut [u64]) -> bool {
         let copied = self.answer(kind, key, |entry| {
             if entry.words.len() == into.len() {
@@ -135,7 +137,7 @@ impl Player {
     }
 }
 
-/// What an entry says of a tick that ended too late.
+/// Decodes the attribution of an overrun.
 pub(crate) fn late_of(entry: &Entry<'_>) -> Option<Late> {
     let (Kind::Blamed, &[command, took_ns, late_ns]) = (entry.kind, entry.words) else {
         return None;
@@ -242,7 +244,7 @@ impl Plant for Player {
                 let code = entry.words.first().copied().unwrap_or(0);
                 (code.cast_signed(), entry.flag)
             };
-            // Fewer than 2^32 devices.
+            // There are fewer than 2^32 devices.
             let told = loaded.then(|| self.answer(Kind::Condition, device as u32, condition));
             let (code, moving) = told.flatten().unwrap_or_default();
             each(device, code, moving);

@@ -1,14 +1,14 @@
-//! The tape between the cycle and whoever writes it down: a bounded ring at which nobody waits.
+//! Tape between the cycle and the writer thread: a bounded ring on which neither side blocks.
 
 use rtrb::{Consumer, Producer, RingBuffer};
 
 use super::stage::Stage;
 
-/// Room for ticks that were not written down yet, words: a quarter of a minute of an arm at a kilohertz.
+/// Capacity in words: about 15 s of an arm at 1 kHz.
 const CAPACITY: usize = 1 << 20;
 const HEADER: usize = 6;
 
-/// The two ends of a tape.
+/// Creates a tape and returns its two ends.
 pub(crate) fn tape() -> (TapeIn, TapeOut) {
     with_capacity(CAPACITY)
 }
@@ -24,17 +24,18 @@ fn with_capacity(words: usize) -> (TapeIn, TapeOut) {
     (tape_in, TapeOut { ring: consumer })
 }
 
-/// The cycle's end.
+/// Cycle side of a tape.
 pub(crate) struct TapeIn {
     ring: Producer<u64>,
     capacity: usize,
-    /// Ticks that were lost since the last one that was not.
+    /// Number of ticks lost since the last recorded one.
     untold: u64,
     lost: u64,
 }
 
 impl TapeIn {
-    /// Records a tick as a whole, or counts it as lost. `ticked` is false for what happened between two ticks without one after it.
+    /// Writes a complete tick, or counts it as lost. `ticked` is false for entries between two ticks without a tick
+    /// after them.
     pub(crate) fn put(
         &mut self,
         (number, wall_ns): (u64, i64),
@@ -53,30 +54,30 @@ impl TapeIn {
         let kind = u64::from(!ticked);
         let header = [self.untold, number, wall_ns.cast_unsigned(), kind, n, m];
         for word in header.iter().chain(exchange).chain(sights) {
-            // There is room, as was just seen; nobody else writes.
+            // The free slots were checked above, and this is the only producer.
             let _ = self.ring.push(*word);
         }
         self.untold = 0;
     }
 
-    /// How many ticks were lost.
+    /// Returns the total number of lost ticks.
     pub(crate) fn lost(&self) -> u64 {
         self.lost
     }
 
-    /// True while more than half of the ring is free.
+    /// Returns true while more than half of the ring is free.
     pub(crate) fn has_room(&self) -> bool {
         self.ring.slots() > self.capacity / 2
     }
 }
 
-/// The end of whoever writes it down.
+/// Writer side of a tape.
 pub(crate) struct TapeOut {
     ring: Consumer<u64>,
 }
 
 impl TapeOut {
-    /// The words of the next tick, if it is there as a whole.
+    /// Reads the words of the next tick. Returns false if no complete tick is available.
     pub(crate) fn next(&mut self, words: &mut Vec<u64>) -> bool {
         words.clear();
         let Ok(header) = self.ring.read_chunk(HEADER) else {
@@ -93,25 +94,25 @@ impl TapeOut {
     }
 }
 
-/// A tick on the tape.
+/// A decoded tick of a tape.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct Tick<'a> {
-    /// How many before it were lost.
+    /// Number of ticks lost before this one.
     pub(crate) lost: u64,
-    /// Its number.
+    /// Number of the tick.
     pub(crate) number: u64,
-    /// The wall clock that its commands see, nanoseconds since the Unix epoch.
+    /// Wall clock of the commands, nanoseconds since the Unix epoch.
     pub(crate) wall_ns: i64,
-    /// False for what happened between two ticks without one after it.
+    /// False for entries between two ticks without a tick after them.
     pub(crate) ticked: bool,
-    /// What passed between the core and the devices.
+    /// Entries of the exchange between core and devices.
     pub(crate) exchange: &'a [u64],
-    /// What was looked at: flows of commands, ports of devices.
+    /// Entries of the observations: flows of commands and device ports.
     pub(crate) sights: &'a [u64],
 }
 
 impl Tick<'_> {
-    /// The tick that these words are; none if they are none.
+    /// Decodes a tick; `None` if the words are invalid.
     pub(crate) fn of(words: &[u64]) -> Option<Tick<'_>> {
         let (header, rest) = words.split_first_chunk::<HEADER>()?;
         let [lost, number, wall, kind, n, m] = *header;

@@ -1,16 +1,16 @@
-//! Where the entries of a tick are put together: fixed room, made before the first tick.
+//! Buffer for the entries of a tick, allocated before the first tick.
 
 use super::entry::{Kind, head};
 
-/// Entries of the tick under way.
+/// Entries of the current tick.
 pub(crate) struct Stage {
     words: Vec<u64>,
-    /// Something did not fit: the tick cannot be recorded.
+    /// True if an entry did not fit. The tick is then not recorded.
     full: bool,
 }
 
 impl Stage {
-    /// Room for so many words.
+    /// Creates a buffer for this number of words.
     pub(crate) fn with_capacity(words: usize) -> Stage {
         Stage {
             words: Vec::with_capacity(words),
@@ -18,7 +18,8 @@ impl Stage {
         }
     }
 
-    /// Adds an entry whose words come in parts. It never allocates: what does not fit makes the tick one that is lost.
+    /// Appends an entry whose words are given in parts. It never allocates: if the entry does not fit, the tick is
+    /// lost.
     pub(crate) fn put(&mut self, kind: Kind, key: u32, flag: bool, parts: &[&[u64]]) {
         let len: usize = parts.iter().map(|part| part.len()).sum();
         if self.words.capacity() - self.words.len() <= len {
@@ -31,7 +32,7 @@ impl Stage {
             .for_each(|part| self.words.extend_from_slice(part));
     }
 
-    /// The words of this tick, unless some are missing.
+    /// Returns the words of this tick; `None` if an entry did not fit.
     pub(crate) fn words(&self) -> Option<&[u64]> {
         (!self.full).then_some(&self.words)
     }
@@ -40,7 +41,7 @@ impl Stage {
         self.words.is_empty() && !self.full
     }
 
-    /// The next tick begins.
+    /// Discards all entries before the next tick.
     pub(crate) fn clear(&mut self) {
         self.words.clear();
         self.full = false;

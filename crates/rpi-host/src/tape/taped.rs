@@ -1,4 +1,4 @@
-//! Devices whose every answer goes on the tape.
+//! Devices whose answers are logged on a tape.
 
 use std::cell::RefCell;
 use std::ops::Range;
@@ -9,39 +9,40 @@ use super::entry::Kind;
 use super::stage::Stage;
 use crate::control::{Late, Plant};
 
-/// Devices, and what passed between them and the core in this tick, if somebody wants to know.
+/// Devices with an optional log of their exchange with the core in the current tick.
 pub struct Taped<P> {
     plant: P,
-    /// Questions do not change the devices, but are noted, too. One thread owns all this: the cell is never taken twice.
+    /// Queries take `&self` but are logged as well. A single thread owns the devices, so the cell is never borrowed
+    /// twice.
     stage: Option<RefCell<Stage>>,
 }
 
-/// Words for what passes in a tick.
+/// Capacity in words of the log of one tick.
 const CAPACITY: usize = 1 << 16;
 
 impl<P> Taped<P> {
-    /// Devices of which nothing is noted.
+    /// Wraps devices without logging.
     #[must_use]
     pub fn new(plant: P) -> Taped<P> {
         Taped { plant, stage: None }
     }
 
-    /// Notes everything from now on.
+    /// Starts logging.
     pub(crate) fn begin(&mut self) {
         self.stage = Some(RefCell::new(Stage::with_capacity(CAPACITY)));
     }
 
-    /// The devices themselves; what is done with them is not noted.
+    /// Returns the devices. Direct accesses to them are not logged.
     pub(crate) fn plant(&mut self) -> &mut P {
         &mut self.plant
     }
 
-    /// What was noted in this tick.
+    /// Returns the log of the current tick; `None` without logging.
     pub(crate) fn stage(&mut self) -> Option<&mut Stage> {
         self.stage.as_mut().map(RefCell::get_mut)
     }
 
-    /// Notes that all commands are ended.
+    /// Logs that all commands are ended.
     pub(crate) fn halt(&mut self, why: u32) {
         self.note(Kind::Halt, why, false, &[]);
     }
@@ -53,7 +54,7 @@ impl<P> Taped<P> {
     }
 }
 
-/// A jump as words.
+/// Encodes a discontinuity as words.
 fn words_of(jump: &Jump) -> [u64; 4] {
     let (value, limit) = (jump.value.to_bits(), jump.limit.to_bits());
     [u64::from(jump.resource), jump.quantity as u64, value, limit]

@@ -1,4 +1,4 @@
-//! What a test has seen of a net: fragments that were active, choices that went either way, transitions that were taken.
+//! Coverage of a net by a test: active fragments, branches and transitions.
 
 use std::collections::BTreeMap;
 
@@ -8,43 +8,45 @@ use rpi_image::Image;
 use rpi_image::image::Signal;
 use rpi_net::{Choice, Exits, FragmentId, Input, Net, PortRef};
 
-/// What was seen so far, by places in the text; of what is instantiated several times there are as many entries.
+/// Coverage by location in the source. Each instance of a unit has entries of its own.
 #[derive(Clone, Debug)]
 pub struct Coverage {
-    /// The names of all that was called, where it is declared.
+    /// Names of all called units at their declarations.
     pub called: Vec<Span>,
-    /// Each fragment but the root: its place, its path, and whether it was ever active.
+    /// Each fragment except the root: location, path, and whether it was ever active.
     pub fragments: Vec<(Span, String, bool)>,
-    /// Each choice: whether its condition was ever false, and ever true, while the choice mattered.
+    /// Each branch: location, and whether its condition was ever false and ever true while the branch was reachable.
     pub branches: Vec<(Span, [bool; 2])>,
-    /// Each transition of an automaton, and whether it was ever taken.
+    /// Each transition of an automaton: location, and whether it was ever taken.
     pub transitions: Vec<(Span, bool)>,
     choices: Vec<Decision>,
     exits: Vec<State>,
 }
 
-/// A Boolean of the net while it runs.
+/// A Boolean of the net, observed at run time.
 #[derive(Clone, Copy, Debug)]
 enum Watched {
-    /// It is this in every cycle.
+    /// A constant.
     Known(bool),
-    /// It is computed in a fragment.
+    /// A signal that is computed in the fragment with this index.
     Computed(Signal, u32),
-    /// Nothing in any cycle.
+    /// Absent in all cycles.
     Absent,
 }
 
-/// A choice: it matters in the cycles in which its fragment is active and the branch around it is taken.
+/// A branch. It is evaluated in the cycles in which its fragment is active and the enclosing branch has the required
+/// value.
 #[derive(Clone, Debug)]
 struct Decision {
     condition: Watched,
-    /// None if it is never active.
+    /// Index of the fragment; `None` if the fragment is never active.
     fragment: Option<u32>,
-    /// The choice around it, which comes before, and its condition for which this one matters.
+    /// Index of the enclosing branch, which has a smaller index, and the value of its condition that makes this one
+    /// reachable.
     side: Option<(usize, bool)>,
 }
 
-/// A state of an automaton, and the conditions of the transitions that lead out of it, in order.
+/// A state of an automaton with the conditions of its outgoing transitions, in order.
 #[derive(Clone, Debug)]
 struct State {
     here: Watched,
@@ -99,7 +101,7 @@ impl Coverage {
 }
 
 impl Watched {
-    /// Its value in this cycle, if it has one.
+    /// Returns the value in this cycle, if it is present.
     fn value(&self, machine: &Machine) -> Option<bool> {
         match *self {
             Watched::Known(value) => Some(value),
@@ -112,7 +114,7 @@ impl Watched {
 }
 
 impl State {
-    /// Which transition is taken in this cycle.
+    /// Returns the index of the transition that is taken in this cycle.
     fn taken(&self, machine: &Machine) -> Option<usize> {
         let holds = |watched: &Watched| watched.value(machine) == Some(true);
         let mut conditions = self.conditions.iter();
@@ -120,7 +122,7 @@ impl State {
     }
 }
 
-/// Where the ports and fragments of a net are found in its image.
+/// Finds the ports and fragments of a net in its image.
 struct Places<'n> {
     net: &'n Net,
     ports: BTreeMap<String, (Signal, u32)>,
@@ -183,7 +185,7 @@ impl<'n> Places<'n> {
     }
 }
 
-/// Where the fragments of an image stand in the text.
+/// Returns location and path of each fragment of an image except the root; no fragment is covered yet.
 fn fragments(net: &Net, image: &Image) -> Vec<(Span, String, bool)> {
     let ids = net.fragment_ids().skip(1);
     let places = ids.map(|id| (path_of(net, id), net.fragment(id).origin.span));

@@ -1,7 +1,7 @@
-//! Tests of programs: a net without devices, run cycle by cycle, with conditions that are watched.
+//! Execution of program tests: a net without devices runs cycle by cycle, and its conditions are monitored.
 //!
-//! The runner knows an image and the keys of the exports that carry the conditions; what they mean in the program's text
-//! is the business of who made the image.
+//! The runner knows an image and the keys of the exports that carry the conditions. It must not depend on the source
+//! language.
 
 mod coverage;
 
@@ -16,89 +16,89 @@ use rpi_net::{Claim, Net, literal};
 
 use crate::claims::{self, Flows};
 
-/// What is run and watched.
+/// A test and what is monitored in it.
 #[derive(Debug)]
 pub struct Case<'a> {
-    /// The net.
+    /// Net of the test.
     pub net: &'a Net,
-    /// The net, lowered to be looked at.
+    /// Image of the net, lowered with observable ports.
     pub image: Image,
-    /// For each condition its export, and the exports that tell why.
+    /// Conditions of the test.
     pub conditions: &'a [Condition],
-    /// What else is claimed, by what the test calls.
+    /// Claims of the units that the test calls.
     pub claims: &'a [Claim],
-    /// Whether it is noted what was active and chosen.
+    /// Whether coverage is recorded.
     pub coverage: bool,
-    /// It ends after so many cycles if it does not end itself; unless said, after [`CYCLES`], or [`MOST`] if it can finish.
+    /// Maximum number of cycles. The default is [`MOST`] for a test that can finish and [`CYCLES`] for any other test.
     pub cycles: Option<u64>,
 }
 
-/// Cycles of a test that cannot finish by itself.
+/// Default number of cycles of a test that cannot finish.
 pub const CYCLES: u64 = 1000;
 
-/// The most cycles that a test has time for its `finish`.
+/// Default limit of cycles for a test that can finish.
 pub const MOST: u64 = 100_000;
 
-/// Something that must be true in every cycle in which it is present.
+/// A Boolean export that must be true in every cycle in which it is present.
 #[derive(Clone, Debug)]
 pub struct Condition {
-    /// Key of its export.
+    /// Key of the export.
     pub key: String,
-    /// Names and keys of the exports that are shown when it fails.
+    /// Names and keys of the exports whose values are shown when the condition fails.
     pub reads: Vec<(String, String)>,
 }
 
-/// What came of it.
+/// Result of a test.
 #[derive(Debug)]
 pub struct Report {
-    /// Cycles that were run.
+    /// Number of executed cycles.
     pub cycles: u64,
-    /// For each condition what became of it.
+    /// Verdict on each condition.
     pub verdicts: Vec<Holds>,
-    /// What is told of claims that did not hold.
+    /// Diagnostics of violated claims.
     pub broken: Vec<Finding>,
-    /// How it ended, if it can finish.
+    /// How the test ended; `None` if it cannot finish.
     pub end: Option<Ended>,
-    /// What was active and chosen, if it was noted.
+    /// Coverage, if it was recorded.
     pub coverage: Option<Coverage>,
 }
 
-/// What became of a condition.
+/// Verdict on a condition.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Holds {
-    /// It was true whenever it was there.
+    /// The condition was true whenever it was present.
     Always,
-    /// It was absent in all cycles.
+    /// The condition was absent in all cycles.
     Never,
-    /// It was false: the first cycle, and what was read there.
+    /// The condition was false. Only the first such cycle is reported.
     Broken {
-        /// The cycle, from 0.
+        /// Cycle, from 0.
         cycle: u64,
-        /// Names and values; `null` for an absent one.
+        /// Names and values of the shown exports; `null` for an absent value.
         values: Vec<(String, String)>,
     },
 }
 
-/// How a test ended itself.
+/// How a test ended.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Ended {
-    /// By `finish` or `yield`.
+    /// The test finished with `finish` or `yield`.
     Finished,
-    /// Not: it can finish, and did not in its cycles.
+    /// The test can finish, but did not do so within its cycles.
     Unfinished,
-    /// By `fail`, whose name this is.
+    /// The test ended with the `fail` of this name.
     Failed(String),
-    /// By a fault.
+    /// A fault ended the test.
     Fault {
-        /// What happened.
+        /// Description of the fault.
         what: &'static str,
-        /// Where in the text.
+        /// Location in the source.
         place: Option<TextRange>,
     },
 }
 
 impl Report {
-    /// Whether nothing speaks against it.
+    /// Returns true if the test finished and no condition or claim was violated.
     #[must_use]
     pub fn passed(&self) -> bool {
         let ended = matches!(self.end, None | Some(Ended::Finished));
@@ -109,7 +109,7 @@ impl Report {
 /// Runs a test.
 ///
 /// # Errors
-/// Why its image cannot be loaded.
+/// Returns the load errors if the image cannot be loaded.
 pub fn run(case: Case<'_>) -> Result<Report, String> {
     let machine = Machine::load(case.image, &mut NoDevices).map_err(|faults| {
         let faults: Vec<String> = faults.iter().map(ToString::to_string).collect();
@@ -131,7 +131,7 @@ fn can_finish(end: &End) -> bool {
     }
 }
 
-/// A test under way.
+/// A running test.
 struct Watch {
     machine: Machine,
     conditions: Vec<Watched>,
@@ -179,7 +179,7 @@ impl Watch {
         }
     }
 
-    /// One cycle; how the test ended with it.
+    /// Executes one cycle. Returns how the test ended, if it ended in this cycle.
     fn cycle(&mut self, cycle: u64) -> Option<Ended> {
         let bank = &mut NoDevices;
         self.machine.read(bank, &moment(cycle, &self.machine));
@@ -227,7 +227,7 @@ impl Watch {
     }
 }
 
-/// What the machine publishes.
+/// Read access to the exports of a machine.
 struct Exports<'m>(&'m Machine);
 
 impl Flows for Exports<'_> {
@@ -241,7 +241,7 @@ impl Watched {
         if matches!(self.holds, Holds::Broken { .. }) {
             return;
         }
-        // A condition that is true in every cycle is no export of its own.
+        // A condition that is constantly true has no export.
         let value = self
             .signal
             .map_or(Some(1), |s| machine.value(s).map(|v| v[0]));
@@ -266,7 +266,7 @@ impl Watched {
     }
 }
 
-/// The time of a cycle: the epoch is the start of the test.
+/// Returns the time of a cycle. The epoch is the start of the test.
 fn moment(cycle: u64, machine: &Machine) -> Moment {
     let ns = cycle.saturating_mul(machine.image().period_ns);
     let ns = i64::try_from(ns).unwrap_or(i64::MAX);

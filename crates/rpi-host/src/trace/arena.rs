@@ -1,4 +1,4 @@
-//! A trace in memory: rows that point into one text.
+//! Trace in memory. The rows are ranges of one text buffer.
 
 use std::collections::BTreeMap;
 use std::io::{ErrorKind, Read};
@@ -13,42 +13,42 @@ use super::{ReadError, TraceError, comma, tabbed};
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub struct PortId(pub u32);
 
-/// What was recorded of one port in one cycle.
+/// Recorded value of one port in one cycle.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Row {
-    /// The port.
+    /// The recorded port.
     pub port: PortId,
     start: u32,
     end: u32,
 }
 
-/// What was recorded in one cycle.
+/// Rows recorded in one cycle.
 #[derive(Clone, Debug, Default)]
 pub struct Cycle {
-    /// True if every out-port of the net was recorded: one without a row was absent.
+    /// True if every out-port of the net was recorded. An out-port without a row was then absent.
     pub complete: bool,
-    /// The rows, in the file's order.
+    /// Rows in the order of the file.
     pub rows: Vec<Row>,
 }
 
 /// A recorded trace.
 #[derive(Clone, Debug, Default)]
 pub struct Trace {
-    /// The net's clock in its first cycle, milliseconds since the Unix epoch.
+    /// Clock of the net in its first cycle, milliseconds since the Unix epoch.
     pub start_ms: Option<i64>,
     names: Vec<String>,
     index: BTreeMap<String, PortId>,
-    /// Ports recorded in every cycle of their range: one without a row there was absent.
+    /// Ports that were recorded in every cycle of the given range. A port without a row in such a cycle was absent.
     listed: BTreeMap<PortId, Range<u64>>,
     cycles: BTreeMap<u64, Cycle>,
     text: String,
 }
 
 impl Trace {
-    /// Reads a trace file, plain or gzip, of either form.
+    /// Reads a trace file in either format, plain or compressed with gzip.
     ///
     /// # Errors
-    /// If the file cannot be opened or unpacked, or a line is in neither form.
+    /// Returns an error if the file cannot be opened or decompressed, or if a line is invalid.
     pub fn read(path: &Path) -> Result<Trace, ReadError> {
         let text = read_text(path)?;
         Trace::parse(&text).map_err(|e| ReadError {
@@ -58,10 +58,10 @@ impl Trace {
         })
     }
 
-    /// Reads a trace from its text; the first line tells the form.
+    /// Parses the text of a trace. The first line determines the format.
     ///
     /// # Errors
-    /// Names the first line that cannot be read.
+    /// Returns an error that names the first invalid line.
     pub fn parse(text: &str) -> Result<Trace, TraceError> {
         let first = text.lines().next().unwrap_or("");
         if first.starts_with(comma::HEADER) {
@@ -71,7 +71,7 @@ impl Trace {
         }
     }
 
-    /// Takes up what another recording of the same run holds.
+    /// Adds the rows of another recording of the same run.
     #[must_use]
     pub fn merged(mut self, other: &Trace) -> Trace {
         self.start_ms = self.start_ms.or(other.start_ms);
@@ -88,54 +88,54 @@ impl Trace {
         self
     }
 
-    /// The port's path, `fragment/primitive.port`.
+    /// Returns the path of a port, `fragment/primitive.port`.
     #[must_use]
     pub fn name(&self, port: PortId) -> &str {
         &self.names[port.0 as usize]
     }
 
-    /// All ports that have a row somewhere, in order of appearance.
+    /// Iterates over all ports with at least one row, in order of appearance.
     pub fn ports(&self) -> impl Iterator<Item = (PortId, &str)> {
         let ids = (0..).map(PortId);
         ids.zip(self.names.iter().map(String::as_str))
     }
 
-    /// The port of this path, if it has a row somewhere.
+    /// Returns the port with this path if it has at least one row.
     #[must_use]
     pub fn find(&self, name: &str) -> Option<PortId> {
         self.index.get(name).copied()
     }
 
-    /// The text of a recorded value.
+    /// Returns the text of a recorded value.
     #[must_use]
     pub fn value(&self, row: Row) -> &str {
         &self.text[row.start as usize..row.end as usize]
     }
 
-    /// The recorded cycles by number, from 1.
+    /// Iterates over the recorded cycles with their numbers, from 1.
     pub fn cycles(&self) -> impl Iterator<Item = (u64, &Cycle)> {
         self.cycles.iter().map(|(&number, cycle)| (number, cycle))
     }
 
-    /// What was recorded in the cycle of this number.
+    /// Returns the rows recorded in the cycle with this number.
     #[must_use]
     pub fn at(&self, number: u64) -> Option<&Cycle> {
         self.cycles.get(&number)
     }
 
-    /// The number of the last recorded cycle; 0 for an empty trace.
+    /// Returns the number of the last recorded cycle; 0 for an empty trace.
     #[must_use]
     pub fn last_cycle(&self) -> u64 {
         self.cycles.keys().next_back().copied().unwrap_or(0)
     }
 
-    /// Whether a missing row of this port in this cycle means that it was absent.
+    /// Returns true if a missing row of this port in this cycle means that the port was absent.
     #[must_use]
     pub fn covers(&self, port: PortId, number: u64) -> bool {
         self.listed.get(&port).is_some_and(|r| r.contains(&number))
     }
 
-    /// Adds a row.
+    /// Adds a row to a cycle.
     pub(super) fn record(&mut self, number: u64, name: &str, value: &str) {
         let start = self.offset();
         self.text.push_str(value);
@@ -148,13 +148,13 @@ impl Trace {
         self.cycles.entry(number).or_default()
     }
 
-    /// Declares that every port with a row was recorded in all cycles up to the last.
+    /// Marks every port with a row as recorded in all cycles up to the last one.
     pub(super) fn list_all(&mut self) {
         let range = 1..self.last_cycle() + 1;
         self.listed = self.ports().map(|(id, _)| (id, range.clone())).collect();
     }
 
-    /// Declares that every out-port was recorded in each cycle of the trace.
+    /// Marks every cycle as complete: all out-ports were recorded.
     pub(super) fn complete_all(&mut self) {
         for cycle in self.cycles.values_mut() {
             cycle.complete = true;
@@ -176,16 +176,16 @@ impl Trace {
     }
 }
 
-/// The text of a file, unpacked if it begins as gzip does (RFC 1952, section 2.3.1).
+/// Reads a text file. The file is decompressed if it starts with the magic number of gzip (RFC 1952, section 2.3.1).
 ///
 /// # Errors
-/// If the file cannot be read or unpacked, or is no text.
+/// Returns an error if the file cannot be read or decompressed, or is not UTF-8 text.
 pub fn read_text(path: &Path) -> Result<String, ReadError> {
     let failed = |e: std::io::Error| ReadError {
         path: path.to_owned(),
         line: None,
         message: match e.kind() {
-            ErrorKind::InvalidData => "this is no text (not UTF-8)".to_owned(),
+            ErrorKind::InvalidData => "this is not a text file (invalid UTF-8)".to_owned(),
             _ => e.to_string(),
         },
     };

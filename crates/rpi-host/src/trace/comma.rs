@@ -1,14 +1,14 @@
-//! The comma-separated form: `cycle,primitive,type,port,value`, values with commas in double quotes.
+//! Comma-separated trace format: `cycle,primitive,type,port,value`. Values that contain commas are in double quotes.
 //!
-//! With in-ports it holds chosen ports in every cycle (set-points, published values); without, all out-ports in
-//! chosen cycles.
+//! A file with in-ports holds selected ports (set-points, published values) in every cycle. A file without in-ports
+//! holds all out-ports in selected cycles.
 
 use std::borrow::Cow;
 
 use super::tabbed::{bad_cycle, number};
 use super::{Trace, TraceError};
 
-/// How the first line begins.
+/// Header line of the format.
 pub(super) const HEADER: &str = "cycle,primitive,type,port,value";
 
 pub(super) fn parse(text: &str) -> Result<Trace, TraceError> {

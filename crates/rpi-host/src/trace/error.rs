@@ -1,14 +1,14 @@
-//! What can be wrong with a trace file.
+//! Errors of trace files.
 
 use std::fmt;
 use std::path::PathBuf;
 
-/// A line of a trace that cannot be read.
+/// An invalid line of a trace.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct TraceError {
-    /// The line, from 1.
+    /// Line number, from 1.
     pub line: usize,
-    /// What is wrong with it.
+    /// Description of the error.
     pub message: String,
 }
 
@@ -27,14 +27,14 @@ impl fmt::Display for TraceError {
     }
 }
 
-/// A file that cannot be read as what it should be.
+/// A file that cannot be read, or that has an invalid format.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct ReadError {
-    /// The file.
+    /// Path of the file.
     pub path: PathBuf,
-    /// The line, from 1, where one is at fault.
+    /// Line number, from 1, if the error has a line.
     pub line: Option<usize>,
-    /// What is wrong.
+    /// Description of the error.
     pub message: String,
 }
 

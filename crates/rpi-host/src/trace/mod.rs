@@ -1,8 +1,9 @@
-//! Recorded traces: what every port of a net carried, cycle by cycle.
+//! Recorded traces: the value of every port of a net, cycle by cycle.
 //!
-//! Two text forms are read, plain or gzip: the tab-separated one (`cycle  path.port  value`, every out-port in every
-//! cycle; [`tabbed`]) and the comma-separated one (`cycle,primitive,type,port,value`, chosen ports or chosen cycles;
-//! [`comma`]). A trace knows texts and nothing of a net: values are read when the net's types are known.
+//! Two text formats are supported, plain or compressed with gzip. The tab-separated format (`cycle  path.port  value`,
+//! every out-port in every cycle) is in [`tabbed`]. The comma-separated format (`cycle,primitive,type,port,value`,
+//! selected ports or selected cycles) is in [`comma`]. A trace holds values as text; they are parsed once the types of
+//! the net are known.
 
 mod arena;
 mod comma;

@@ -1,7 +1,8 @@
-//! The tab-separated form: `cycle  path.port  value`, one line per present out-port and cycle.
+//! Tab-separated trace format: `cycle  path.port  value`, one line per present out-port and cycle.
 //!
-//! A line `0  #t0  <ms>` gives the net's clock in its first cycle. A port without a line in a cycle was absent in it.
-//! With a line `0  #ports  listed` that holds for the ports that have a line somewhere, and nothing is said of others.
+//! The line `0  #t0  <ms>` holds the clock of the net in its first cycle. A port without a line in a cycle was absent
+//! in that cycle. After a line `0  #ports  listed` this applies only to the ports that have at least one line; nothing
+//! is known of other ports.
 
 use std::io::{self, Write};
 
@@ -38,7 +39,7 @@ pub(super) fn parse(text: &str) -> Result<Trace, TraceError> {
     Ok(trace)
 }
 
-/// Cycles without any line lie in the trace too: everything was absent in them.
+/// Adds the cycles without any line to the trace. Every port was absent in them.
 fn fill(trace: &mut Trace) {
     for number in 1..trace.last_cycle() {
         trace.cycle(number);
@@ -49,54 +50,54 @@ fn start(value: &str) -> Option<i64> {
     value.split('\t').next()?.parse().ok()
 }
 
-/// A cycle number; far more than a trace can hold is refused, as cycles in between are filled in.
+/// Parses a cycle number from 1 to 10 000 000. Larger numbers are rejected because the cycles in between are filled in.
 pub(super) fn number(text: &str) -> Option<u64> {
     text.parse().ok().filter(|n| (1..=10_000_000).contains(n))
 }
 
 fn bad_start(k: usize, value: &str) -> TraceError {
-    TraceError::new(k + 1, format!("`{value}` is no time in milliseconds"))
+    TraceError::new(k + 1, format!("`{value}` is not a time in milliseconds"))
 }
 
 pub(super) fn bad_cycle(k: usize, text: &str) -> TraceError {
-    TraceError::new(k + 1, format!("`{text}` is no cycle number (1, 2, ...)"))
+    TraceError::new(k + 1, format!("`{text}` is not a cycle number (1, 2, ...)"))
 }
 
-/// Writes a trace in this form.
+/// Writes a trace in the tab-separated format.
 pub struct TraceWriter<W> {
     out: W,
 }
 
 impl<W: Write> TraceWriter<W> {
-    /// Begins a trace of a net whose clock stands at `start_ms` in its first cycle.
+    /// Starts the trace of a net whose clock is `start_ms` in its first cycle.
     ///
     /// # Errors
-    /// Those of the writer.
+    /// Returns the I/O errors of the writer.
     pub fn new(mut out: W, start_ms: i64) -> io::Result<TraceWriter<W>> {
         writeln!(out, "0\t#t0\t{start_ms}\tcycle=1")?;
         Ok(TraceWriter { out })
     }
 
-    /// Says that only ports with a line somewhere are recorded.
+    /// Writes the header line that restricts the trace to ports with at least one line.
     ///
     /// # Errors
-    /// Those of the writer.
+    /// Returns the I/O errors of the writer.
     pub fn only_listed(&mut self) -> io::Result<()> {
         writeln!(self.out, "0\t#ports\tlisted")
     }
 
-    /// Writes what a port carried in a cycle (from 1).
+    /// Writes the value of a port in a cycle. Cycles are numbered from 1.
     ///
     /// # Errors
-    /// Those of the writer.
+    /// Returns the I/O errors of the writer.
     pub fn row(&mut self, cycle: u64, name: &str, value: &str) -> io::Result<()> {
         writeln!(self.out, "{cycle}\t{name}\t{value}")
     }
 
-    /// The writer, with everything handed over.
+    /// Flushes and returns the underlying writer.
     ///
     /// # Errors
-    /// Those of the writer.
+    /// Returns the I/O errors of the writer.
     pub fn finish(mut self) -> io::Result<W> {
         self.out.flush()?;
         Ok(self.out)

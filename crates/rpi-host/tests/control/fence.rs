@@ -1,7 +1,8 @@
-//! The second of two tools for the same promise: the kernel itself sees that the cycle's thread makes no system call but those of the
-//! clock, whatever is asked of it meanwhile. The first one is the allocation trap.
+//! Tests of the system call filter: the kernel checks that the cycle thread makes no system calls except those of the
+//! clock, whatever the clients request. The allocation trap is the other test of this property.
 //!
-//! A violation ends a process, so each case runs in one of its own: this program, started again for that case.
+//! A violation ends the process, so each case runs in a process of its own: this test program, started again for the
+//! case.
 
 use std::io::Write;
 use std::os::unix::process::ExitStatusExt;
@@ -17,15 +18,15 @@ use rpi_testkit::own_process;
 
 use crate::support::{Rig, counter};
 
-/// Says which case a process is for.
+/// Environment variable with the case of a child process.
 const CASE: &str = "RPI_FENCE_CASE";
-/// Signal by which the kernel ends a process for a forbidden call.
+/// Signal by which the kernel ends a process after a forbidden system call.
 const SIGSYS: i32 = 31;
 
-/// Something that the cycle's thread does in each tick beside ticking.
+/// An action of the cycle thread in each tick, in addition to the tick.
 type Beside = fn();
 
-/// What must not be done there, each by another way into the kernel.
+/// Forbidden actions. Each of them enters the kernel in a different way.
 const PLANTED: [(&str, Beside); 4] = [
     ("file", || drop(std::fs::metadata("/"))),
     ("print", || drop(std::io::stderr().write_all(b"late\n"))),
@@ -35,12 +36,12 @@ const PLANTED: [(&str, Beside); 4] = [
     }),
 ];
 
-/// Runs a case in a process of its own.
+/// Runs a case in a child process.
 fn case(name: &str) -> ExitStatus {
     own_process("fence::a_case", CASE, name).status
 }
 
-/// What the others start; by itself there is nothing to do.
+/// Entry point of the child processes. Without a case in the environment it does nothing.
 #[test]
 fn a_case() {
     let Ok(name) = std::env::var(CASE) else {
@@ -48,7 +49,7 @@ fn a_case() {
     };
     let planted = PLANTED.iter().find(|(planted, _)| *planted == name);
     traffic(planted.map_or(|| (), |(_, beside)| *beside));
-    // The thread behind the fence cannot end.
+    // The thread behind the filter cannot exit.
     std::process::exit(0);
 }
 
@@ -65,7 +66,7 @@ fn whatever_is_planted_is_caught() {
     }
 }
 
-/// A thread behind a fence ticks while everything is asked of it that can be.
+/// Ticks on a thread behind the filter while the host makes requests of every kind.
 fn traffic(beside: Beside) {
     let mut rig = Rig::new(8);
     let over = Arc::new(AtomicBool::new(false));
@@ -92,7 +93,7 @@ fn behind_the_fence(mut executive: Executive<SimBank>, over: &AtomicBool, beside
     }
 }
 
-/// Loads, starts, rules, switches, cancels, aborts, parameters, subscriptions, unloads, an emergency stop.
+/// Makes requests of every kind: load, start, rule, takeover, cancel, abort, set, subscribe, unload, emergency stop.
 fn all_requests(rig: &mut Rig, round: u32) {
     let ids = ["A", "B", "C"].map(|name| rig.load(counter(name, 5 + round % 7)));
     let [a, b, c] = ids;
@@ -115,7 +116,7 @@ fn all_requests(rig: &mut Rig, round: u32) {
     wait_for_end(rig, &ids);
 }
 
-/// Unloads what has ended until nothing is left.
+/// Unloads all ended commands until every command is freed.
 fn wait_for_end(rig: &mut Rig, ids: &[rpi_host::control::CommandId]) {
     let mut left = ids.len();
     while left > 0 {
@@ -129,7 +130,7 @@ fn wait_for_end(rig: &mut Rig, ids: &[rpi_host::control::CommandId]) {
                 .get(*id)
                 .is_some_and(|info| info.ending.is_some());
             if ended {
-                // Asked for again and again until it is gone.
+                // The request is repeated until the command is freed, so a refusal is ignored.
                 let _ = rig.control.unload(*id);
             }
         }

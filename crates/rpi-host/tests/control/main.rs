@@ -1,4 +1,4 @@
-//! A control core in operation, from outside: requests, events, samples, and what is freed.
+//! Tests of the control core through its public interface: requests, events, samples, and freed objects.
 
 mod fence;
 mod support;
@@ -31,7 +31,7 @@ fn requests_can_name_what_has_not_arrived_yet() {
         (one.state, two.state),
         (State::Terminated, State::Terminated)
     );
-    // No tick lies between the last cycle of one and the first of the other.
+    // The takeover is immediate: the first cycle of B is in the tick after the last cycle of A.
     let cycles = one.ending.unwrap().cycles;
     assert_eq!(two.first_tick, one.first_tick.map(|t| t + cycles));
     assert_eq!(one.ending.unwrap().cause, Cause::Result(0));
@@ -83,7 +83,7 @@ fn places_come_back_and_the_table_has_its_size() {
         let a = rig.load(counter("A", 1));
         let b = rig.load(counter("B", 1));
         assert_eq!(rig.control.load(counter("C", 1)), Err(Rejected::Full));
-        // Nobody starts A: B falls with the rule and frees itself.
+        // Nothing starts A. When the rule is withdrawn, nothing can start B any more, so B is unloaded automatically.
         let (rule, _) = rig.control.schedule(Rule::follow(a).start(b)).unwrap();
         rig.control.withdraw(rule).unwrap();
         rig.control.unload(a).unwrap();
@@ -121,7 +121,7 @@ fn a_flood_is_held_back_and_carried_out_piece_by_piece() {
     assert_eq!(answered, asked + 2);
 }
 
-/// M1.3, M10.5.
+/// M1.3, M10.5: inputs set by the host reach the command, and its exports reach the host.
 #[test]
 fn inputs_and_exports_go_through() {
     let mut rig = Rig::new(2);
@@ -183,7 +183,7 @@ fn a_board_has_what_a_command_exports_in_its_latest_cycle() {
         .collect();
     assert_eq!(told, [("count", Some(7f64.to_bits())), ("late", Some(0))]);
     assert_eq!(adopted.board.cycles(), 7);
-    // Its place is another's later; the board then stays as it was.
+    // Another command gets the slot of A later. The board of A must keep its values.
     rig.control.abort(adopted.id, Why::Request).unwrap();
     rig.control.unload(adopted.id).unwrap();
     rig.ticks(1);
@@ -231,7 +231,7 @@ fn an_emergency_stop_ends_everything() {
     assert_eq!(rig.control.get(b).unwrap().state, State::Ready);
 }
 
-/// After everything was stopped nothing starts that was on its way.
+/// After all commands were stopped, pending start requests must not start a command.
 #[test]
 fn a_tick_alone_takes_no_request() {
     let mut rig = Rig::new(4);

@@ -1,4 +1,4 @@
-//! A control core over an empty cell, and commands that count.
+//! Test support: a control core with an empty cell, and commands that count.
 
 use std::sync::Arc;
 
@@ -17,7 +17,7 @@ pub(crate) struct Rig {
 }
 
 impl Rig {
-    /// A core for so many commands.
+    /// Creates a control core for this number of commands.
     pub(crate) fn new(commands: usize) -> Rig {
         let options = Options {
             commands,
@@ -38,19 +38,19 @@ impl Rig {
         self.control.load(image).unwrap()
     }
 
-    /// Ticks with every allocation on the cycle's side forbidden.
+    /// Executes ticks. Allocations on the cycle side are forbidden.
     pub(crate) fn ticks(&mut self, count: usize) {
         rpi_testkit::no_alloc(|| (0..count).for_each(|_| self.executive.tick(0, &mut ())));
     }
 
-    /// All events since the last call.
+    /// Returns all events since the last call.
     pub(crate) fn log(&mut self) -> Vec<Event> {
         std::iter::from_fn(|| self.control.poll()).collect()
     }
 }
 
-/// A command that adds its input `step`, 1 unless set, to `count` in every cycle; it exports whether that is `late` and
-/// ends as `done` once it is `most`.
+/// Returns a command that adds its input `step` (default 1) to `count` in every cycle. It exports `count` and the
+/// Boolean `late`, and ends with `done` once `count` reaches `most`.
 pub(crate) fn counter(name: &str, most: u32) -> Arc<Image> {
     let root = FragmentId::ROOT;
     let mut b = Build::new(name);

@@ -1,4 +1,5 @@
-//! The recorded nets beside the project, replayed: nothing may differ, and what is changed must be found.
+//! Replays the recorded nets of the corpus, which is stored outside the repository. No value may differ, and changed
+//! values must be detected.
 
 mod nets;
 mod parallel;
@@ -18,7 +19,7 @@ fn every_net_of_the_corpus_agrees_with_its_trace() {
     none_wrong(&nets, in_parallel(&nets, agrees));
 }
 
-/// Set-points of every cycle, joined with all ports of a few.
+/// Replays traces that join set-points of every cycle with all ports of a few cycles.
 #[test]
 fn recorded_set_points_agree() {
     let Some(folder) = rpi_testkit::shared_path("nets/traces") else {
@@ -29,7 +30,7 @@ fn recorded_set_points_agree() {
     none_wrong(&nets, in_parallel(&nets, agrees));
 }
 
-/// A replay that finds nothing would be worth nothing: one value is changed, and that must be found.
+/// Checks that a replay detects differences: one value is changed in each trace.
 #[test]
 fn a_changed_value_is_found_in_every_net() {
     let Some(corpus) = rpi_testkit::shared_path("nets/corpus") else {

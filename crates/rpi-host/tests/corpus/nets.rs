@@ -1,4 +1,4 @@
-//! Nets and what was recorded of them.
+//! Recorded nets and their traces.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -8,16 +8,16 @@ use rpi_host::trace::Trace;
 use rpi_image::{Role, Scalar, Type};
 use rpi_net::Net;
 
-/// A net, its trace and more recordings of the same run.
+/// A net with its trace and further recordings of the same run.
 pub(crate) struct Recorded {
     pub(crate) name: String,
     net: String,
-    /// The trace's text.
+    /// Text of the trace.
     pub(crate) text: String,
     more: Option<String>,
 }
 
-/// All nets of the corpus, by name.
+/// Returns all nets of the corpus, ordered by name.
 pub(crate) fn of_corpus(corpus: &Path) -> Vec<Recorded> {
     let nets = corpus.join("nets");
     let load = |name: String| Recorded {
@@ -29,7 +29,7 @@ pub(crate) fn of_corpus(corpus: &Path) -> Vec<Recorded> {
     names(&nets, ".rpinet.gz").map(load).collect()
 }
 
-/// The nets of which set-points were recorded.
+/// Returns the nets with recorded set-points.
 pub(crate) fn with_set_points(folder: &Path) -> Vec<Recorded> {
     let load = |name: String| Recorded {
         net: read(&folder.join(format!("{name}.rpinet.gz"))),
@@ -55,7 +55,8 @@ impl Recorded {
         }
     }
 
-    /// The last line of the trace that has a finite real computed by ordinary code, with its end of line.
+    /// Returns the last line of the trace with a finite real that an ordinary primitive computed, including the line
+    /// end.
     pub(crate) fn last_computed_real(&self) -> Option<String> {
         let computed = computed_reals(&self.net().ok()?);
         let is_one = |line: &&str| {
@@ -69,7 +70,7 @@ impl Recorded {
     }
 }
 
-/// The line of a trace with another value.
+/// Returns a line of a trace with another value.
 pub(crate) fn changed(line: &str) -> String {
     let (start, value) = line.trim_end().rsplit_once('\t').unwrap();
     let value: f64 = value.parse().unwrap();

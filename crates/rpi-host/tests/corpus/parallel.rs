@@ -1,9 +1,9 @@
-//! All processors at once.
+//! Parallel map over all processors.
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Maps in the order of the input on as many threads as the machine has.
+/// Applies `f` to all items on as many threads as there are processors. The results are in the order of the items.
 pub(crate) fn in_parallel<T: Sync, R: Send>(items: &[T], f: impl Fn(&T) -> R + Sync) -> Vec<R> {
     let next = AtomicUsize::new(0);
     let done = Mutex::new(Vec::new());

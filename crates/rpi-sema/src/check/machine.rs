@@ -1,4 +1,5 @@
-//! Machine integers of Kind 2, `int8` to `uint64` and `uint<N>`: conversions, operators, and bits of them. Results wrap around.
+//! Machine integers of Kind 2 (`int8` to `uint64`, `uint<N>`): conversions, operators and bit access. Results wrap
+//! around.
 
 use super::body::Body;
 use crate::ty::{MachineInt, Ty};
@@ -10,11 +11,11 @@ use rpi_syntax::ast::{Binary, Bits, Call, Expr, ExprKind, StaticArg, StaticValue
 use rpi_syntax::ops::{BinaryOp, UnaryOp};
 
 impl<'a> Body<'_, 'a> {
-    /// `(int8 x)`, `(sint@<25> x)`: as a machine integer.
+    /// Checks a conversion to a machine integer, such as `(int8 x)` or `(sint@<25> x)`.
     pub(super) fn machine_conversion(&mut self, name: &str, call: &'a Call, span: Span) -> ExprId {
         let [arg] = &call.args[..] else {
-            let finding = Finding::new(Code::RPI1010, format!("`{name}` converts one value"))
-                .at(span, "wrong number of values");
+            let finding = Finding::new(Code::RPI1010, format!("`{name}` takes one argument"))
+                .at(span, "wrong number of arguments");
             return self.fault_with(finding, span);
         };
         let Some(to) = self.machine_named(name, &call.callee.statics, span) else {
@@ -33,7 +34,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// A machine integer by its name and width; none after a fault, or for one with more bits than there are here.
+    /// Returns the machine integer type of a name and width; `None` after an error, or if it has more than 64 bits.
     pub(super) fn machine_named(
         &mut self,
         name: &str,
@@ -52,27 +53,28 @@ impl<'a> Body<'_, 'a> {
         };
         let found = MachineInt::new(name == "sint", bits);
         if found.is_none() && bits < 1 {
-            let message = format!("{bits} is no number of bits");
+            let message = format!("invalid number of bits: {bits}");
             let finding = Finding::new(Code::RPI2009, message);
             self.report(finding.at(span, "a machine integer has at least one bit"));
         } else if found.is_none() {
             self.foreign(
                 "a machine integer of more than 64 bits",
-                "values of at most 64 bits are computed here",
+                "at most 64 bits are supported",
                 span,
             );
         }
         found
     }
 
-    /// A checked value as a machine integer.
+    /// Converts a checked integer or machine integer to the machine integer type `to`; reports any other operand type.
     pub(super) fn converted_to(&mut self, value: ExprId, to: MachineInt, span: Span) -> ExprId {
         match self.ty_of(value).clone() {
             Ty::Unknown => self.add(Kind::Fault, Ty::Machine(to), span),
             Ty::Int | Ty::Machine(_) => self.wrapped(value, to, span),
             found => {
-                let finding = Finding::new(Code::RPI2006, format!("`{to}` can not take `{found}`"))
-                    .at(self.span_of(value), format!("this is `{found}`"));
+                let finding =
+                    Finding::new(Code::RPI2006, format!("cannot convert `{found}` to `{to}`"))
+                        .at(self.span_of(value), format!("this is `{found}`"));
                 self.fault_with(finding, span)
             }
         }
@@ -96,7 +98,8 @@ impl<'a> Body<'_, 'a> {
         self.add(Kind::Literal(Leaf::int(bits)), Ty::Int, span)
     }
 
-    /// A unary operator on a machine integer; none if there is no such operator.
+    /// Checks a unary operator on a machine integer; returns `None` if the operator is not defined for machine
+    /// integers.
     pub(super) fn machine_unary(
         &mut self,
         op: UnaryOp,
@@ -108,6 +111,7 @@ impl<'a> Body<'_, 'a> {
         let ty = Ty::Machine(of);
         Some(match op {
             UnaryOp::Neg => {
+                // There is no negation primitive; `0 - x` wraps around in the same way.
                 let zero = self.number_of_bits(0, span);
                 let operands = [zero, operand, width];
                 self.prim_typed(prim!("Rpi::MachineSubtract"), &operands, ty, span)
@@ -122,7 +126,7 @@ impl<'a> Body<'_, 'a> {
         })
     }
 
-    /// A binary operator on two machine integers; none if there is no such operator for them.
+    /// Checks a binary operator on two machine integers; returns `None` if the operator is not defined for their types.
     pub(super) fn machine_binary(
         &mut self,
         op: BinaryOp,
@@ -158,7 +162,7 @@ impl<'a> Body<'_, 'a> {
         Some(self.prim_typed(prim, &operands, Ty::Machine(of), span))
     }
 
-    /// `x lsh 3`: an integer that is a constant may say by how many places.
+    /// Converts the shift count of `x lsh 3`: an integer becomes an unsigned machine integer of the width of `x`.
     fn shifted_by(&mut self, op: BinaryOp, by: ExprId, of: MachineInt, span: Span) -> ExprId {
         let shifts = matches!(op, BinaryOp::ShiftLeft | BinaryOp::ShiftRight);
         match shifts && *self.ty_of(by) == Ty::Int {
@@ -174,7 +178,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// `x ++ y` of Kind 2.
+    /// Checks the bit concatenation `x ++ y` of Kind 2.
     pub(super) fn append(&mut self, binary: &'a Binary, span: Span) -> ExprId {
         let both = [self.expr(&binary.lhs), self.expr(&binary.rhs)];
         if both.iter().any(|id| self.ty_of(*id).is_unknown()) {
@@ -184,18 +188,18 @@ impl<'a> Body<'_, 'a> {
         joined.unwrap_or_else(|| self.no_operator(BinaryOp::Append, both[0], both[1], span))
     }
 
-    /// An integer beside a machine integer.
+    /// Adds the fix that converts an integer operand to the machine integer type of the other operand.
     pub(super) fn as_machine(&self, finding: Finding, of: MachineInt, int: ExprId) -> Finding {
         let span = self.span_of(int);
         let to = of.conversion();
-        let fix = Fix::maybe(format!("convert it by `{to}`"));
+        let fix = Fix::maybe(format!("convert with `{to}`"));
         finding.fix(
             fix.insert_before(span, format!("({to} "))
                 .insert_after(span, ")"),
         )
     }
 
-    /// The bits of one above those of the other; none if they are no machine integers.
+    /// Concatenates the bits of two machine integers, `high` above `low`; returns `None` for operands of other types.
     fn bits_joined(&mut self, [high, low]: [ExprId; 2], span: Span) -> Option<ExprId> {
         let (&Ty::Machine(above), &Ty::Machine(below)) = (self.ty_of(high), self.ty_of(low)) else {
             return None;
@@ -204,7 +208,7 @@ impl<'a> Body<'_, 'a> {
         let Some(whole) = MachineInt::new(above.signed, bits) else {
             self.foreign(
                 "a machine integer of more than 64 bits",
-                "values of at most 64 bits are computed here",
+                "at most 64 bits are supported",
                 span,
             );
             return Some(self.fault(span));
@@ -224,7 +228,7 @@ impl<'a> Body<'_, 'a> {
         Some(self.prim_typed(prim!("Rpi::MachineOr"), &[high, low], ty, span))
     }
 
-    /// `x[7:0]`: bits of a machine integer.
+    /// Checks a bit slice of a machine integer, such as `x[7:0]`.
     pub(super) fn bits(&mut self, of: &'a Bits, span: Span) -> ExprId {
         let base = self.expr(&of.base);
         let bounds = [&of.high, &of.low].map(|bound| self.integer(bound));
@@ -233,7 +237,7 @@ impl<'a> Body<'_, 'a> {
         let [Some(high), Some(low)] = bounds else {
             return self.fault(span);
         };
-        // Elsewhere the grammar has told that there are none.
+        // In RPI text the parser has already reported the bit slice.
         if known || self.is_rpi() {
             return self.fault(span);
         }
@@ -248,7 +252,7 @@ impl<'a> Body<'_, 'a> {
             }
         }
         let Some(part) = MachineInt::new(false, high - low + 1) else {
-            let finding = Finding::new(Code::RPI2009, "these bits end before they begin")
+            let finding = Finding::new(Code::RPI2009, "empty bit range")
                 .at(span, format!("from {high} down to {low}"))
                 .help("the highest bit comes first: `x[7:0]`");
             return self.fault_with(finding, span);
@@ -260,7 +264,7 @@ impl<'a> Body<'_, 'a> {
     }
 }
 
-/// The bits of a number that is no integer of 64 bits with a sign.
+/// Returns the bits of a number literal above `i64::MAX`; `None` for any other expression.
 fn large_number(value: &Expr) -> Option<i64> {
     match &value.kind {
         ExprKind::Number(number) => {
@@ -271,7 +275,7 @@ fn large_number(value: &Expr) -> Option<i64> {
     }
 }
 
-/// The primitive that compares, and whether it takes the right operand first.
+/// Returns the primitive of a comparison, and whether it takes the right operand first.
 fn comparison(op: BinaryOp) -> Option<(PrimId, bool)> {
     Some(match op {
         BinaryOp::Gt => (prim!("Rpi::MachineGreater"), false),
@@ -299,6 +303,6 @@ fn arithmetic(op: BinaryOp) -> Option<PrimId> {
 
 fn no_bit(bit: i64, of: MachineInt, at: &Expr) -> Finding {
     let bits = rpi_diag::counted(usize::from(of.bits), "bit");
-    Finding::new(Code::RPI2009, format!("there is no bit {bit}"))
+    Finding::new(Code::RPI2009, format!("bit index {bit} is out of range"))
         .at(at.span, format!("the integer has {bits}, counted from 0"))
 }

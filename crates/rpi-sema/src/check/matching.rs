@@ -1,7 +1,7 @@
-//! `match` of Kind 2: a value by what another one looks like, also inside: `match o with Wrap(A): 0 | Wrap(B(n)): n | Empty: 1 end`.
+//! `match` expressions of Kind 2 with nested patterns: `match o with Wrap(A): 0 | Wrap(B(n)): n | Empty: 1 end`.
 //!
-//! The first case that fits is taken. That one always does, and each can be, is looked for as in Maranget, Warnings for
-//! pattern matching (2007): is there a value that fits a case and none before it?
+//! The first matching case is taken. Missing and unreachable cases are found by the usefulness check of Maranget,
+//! "Warnings for pattern matching" (2007): is there a value that matches a pattern and none of the patterns before it?
 
 use super::body::Body;
 use super::bound::Means;
@@ -15,22 +15,23 @@ use rpi_syntax::ast::{Arm, Ident, Match, Pattern};
 use rpi_syntax::ops::BinaryOp;
 use std::rc::Rc;
 
-/// What a value must look like.
+/// A pattern, reduced to what the search for missing cases needs.
 #[derive(Clone)]
 enum Shape {
+    /// Any value: a name or `_`.
     Any,
-    /// This alternative, with parts that look like this.
+    /// The alternative of this index, with a pattern for each of its parts.
     Of(usize, Vec<Shape>),
 }
 
-/// What a value fits if it is any.
+/// The wildcard pattern.
 const ANY: &Shape = &Shape::Any;
 
-/// So many cases are compared with one another at most, to find those that are missing, and again to find those that nothing
-/// reaches.
+/// Maximum number of pattern rows examined in the search for missing cases, and again in the search for unreachable
+/// ones. The search is exponential in the worst case.
 const MAX_STEPS: usize = 100_000;
 
-/// A case: when it is taken, and its value.
+/// A case of a `match`: its pattern, the conditions under which it is taken, and its value.
 struct Case {
     shape: Shape,
     tests: Vec<ExprId>,
@@ -38,7 +39,7 @@ struct Case {
 }
 
 impl<'a> Body<'_, 'a> {
-    /// `match x with A: 1 | B(n): n end`
+    /// Checks `match x with A: 1 | B(n): n end`; the result is a chain of `if` expressions.
     pub(super) fn match_of(&mut self, of: &'a Match, span: Span) -> ExprId {
         let value = self.expr(&of.value);
         let known = self.alternatives(value);
@@ -47,7 +48,7 @@ impl<'a> Body<'_, 'a> {
         for arm in &of.arms {
             let case = self.case_of_match(value, known.is_some(), arm);
             if let Some(first) = cases.first() {
-                self.common_type(first.then, case.then, "all cases have one type");
+                self.common_type(first.then, case.then, "all cases must have the same type");
             }
             cases.push(case);
         }
@@ -63,6 +64,7 @@ impl<'a> Body<'_, 'a> {
         if self.has_error_since(before) {
             return self.fault(span);
         }
+        // Built from the end: the cases are exhaustive, so the last one is the final `else`.
         let mut cases = cases.into_iter().rev();
         let Some(last) = cases.next() else {
             return self.fault(span);
@@ -86,13 +88,13 @@ impl<'a> Body<'_, 'a> {
         Some(rest.iter().copied().fold(*first, and))
     }
 
-    /// A case, with names for the parts in its value.
+    /// Checks a case. The names in its pattern are in scope while its value is checked.
     fn case_of_match(&mut self, value: ExprId, is_known: bool, arm: &'a Arm) -> Case {
         let before = self.bound.len();
         let mut tests = Vec::new();
         let shape = match is_known {
             true => self.looks_like(value, &arm.pattern, &mut tests),
-            // What is wrong with the value has been told; what is in it is unknown.
+            // The error in the value has been reported; the names in the pattern get error expressions.
             false => {
                 for name in arm.pattern.names() {
                     let nothing = self.fault(name.span);
@@ -106,7 +108,7 @@ impl<'a> Body<'_, 'a> {
         Case { shape, tests, then }
     }
 
-    /// What a value must look like to fit, and the names for its parts.
+    /// Returns the shape of a pattern, adds its conditions to `tests` and binds its names to parts of the value.
     fn looks_like(
         &mut self,
         value: ExprId,
@@ -177,7 +179,7 @@ impl<'a> Body<'_, 'a> {
         shapes
     }
 
-    /// Where the parts of an alternative begin among the fields of a value, and how many there are.
+    /// Returns the index of the first field that holds a part of an alternative, and the number of its parts.
     fn parts_of_alternative(&self, name: &Name, index: usize) -> (usize, usize) {
         let found = self.c.program.lookup_in(Space::Value, self.module, name);
         let Lookup::Found(id) = found else {
@@ -189,7 +191,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// Reports values that fit no case, and cases that those before them leave nothing.
+    /// Reports missing cases and unreachable cases of a `match`.
     fn fit_some_case(
         &mut self,
         all: &EnumTy,
@@ -237,8 +239,11 @@ impl<'a> Body<'_, 'a> {
         }
         if !missing.is_empty() {
             let missing = listed(missing.iter().map(String::as_str));
-            let finding = Finding::new(Code::RPI2011, format!("the case {missing} is missing"))
-                .at(span, "a `match` has a case for every alternative");
+            let finding = Finding::new(
+                Code::RPI2011,
+                format!("non-exhaustive match: {missing} not covered"),
+            )
+            .at(span, "a `match` needs a case for every alternative");
             self.report(finding);
         }
         if unknown {
@@ -250,7 +255,7 @@ impl<'a> Body<'_, 'a> {
     }
 }
 
-/// A case to which no value comes.
+/// Returns the diagnostic for a case that no value reaches.
 fn needless_case(before: &[Arm], pattern: &Pattern) -> Finding {
     let text = written(pattern);
     let mut before = before.iter().map(|arm| &arm.pattern);
@@ -262,22 +267,21 @@ fn needless_case(before: &[Arm], pattern: &Pattern) -> Finding {
         };
         return super::clocked::case_twice(&again, first.name.span);
     }
-    Finding::new(
-        Code::RPI2011,
-        format!("no value comes to the case `{text}`"),
+    Finding::new(Code::RPI2011, format!("unreachable case `{text}`")).at(
+        pattern.name.span,
+        "the cases before it cover all its values",
     )
-    .at(pattern.name.span, "the cases before it take all")
 }
 
-/// What is to be said where it is not known whether all cases are there.
+/// Returns the diagnostic for a `match` with too many cases to search for missing ones.
 fn too_many_cases(span: Span) -> Finding {
-    let message = "the cases are too many combinations to look through";
+    let message = "too many combinations of cases to check for exhaustiveness";
     Finding::new(Code::RPI1011, message)
-        .at(span, "whether one is missing is not known")
-        .help("decide in steps: a `match` of one part in a case of another, or `_` in a last case")
+        .at(span, "a case may be missing")
+        .help("nest a `match` on one part in a case of another, or add a last case `_`")
 }
 
-/// A pattern as text.
+/// Returns a pattern as source text.
 fn written(pattern: &Pattern) -> String {
     let parts: Vec<String> = pattern.parts.iter().map(written).collect();
     match &parts[..] {
@@ -286,7 +290,7 @@ fn written(pattern: &Pattern) -> String {
     }
 }
 
-/// The alternatives of a type, if it has some.
+/// Returns the enumeration of a type's alternatives; `None` if the type has none.
 fn alternatives_of(ty: &Ty) -> Option<&Rc<EnumTy>> {
     match ty {
         Ty::Enum(all) => Some(all),
@@ -298,14 +302,15 @@ fn alternatives_of(ty: &Ty) -> Option<&Rc<EnumTy>> {
     }
 }
 
-/// Looks for values that fit.
+/// Search for values that no case matches, with its step count.
 struct Search<'s, 'c, 'a> {
     body: &'s Body<'c, 'a>,
     steps: usize,
 }
 
 impl Search<'_, '_, '_> {
-    /// Values of these types that look like `wanted` and fit none of the rows, as they are written.
+    /// Returns values of these types, as source text, that match `wanted` and none of the rows; `None` if there are
+    /// none, or at the step limit.
     fn fits_none(
         &mut self,
         types: &[Ty],
@@ -347,7 +352,7 @@ impl Search<'_, '_, '_> {
         }
     }
 
-    /// Likewise, where the first value is one of an alternative.
+    /// Does the same as [`Self::fits_none`] for a first value that has the alternative `index`.
     fn fits_none_of(
         &mut self,
         (ty, all, index): (&Ty, &Rc<EnumTy>, usize),

@@ -1,4 +1,4 @@
-//! Calls of what cannot be called, and what was meant by them.
+//! Suggestions for calls of names that cannot be called, such as `pow(x, 2.0)` or the name of a struct.
 
 use super::access::names_of;
 use super::body::Body;
@@ -11,11 +11,11 @@ use rpi_syntax::Name;
 use rpi_syntax::ast::{self, ExprKind};
 use rpi_syntax::ops::BinaryOp;
 
-/// What a power is called elsewhere; looked up in lower case.
+/// Names of the power function in other languages, in lower case.
 const POWERS: &[&str] = &["pow", "power", "powf", "powi", "expt"];
 
 impl<'a> Body<'_, 'a> {
-    /// Adds to what has been reported of `pow(x, 2.0)` how it is written here.
+    /// Adds to the reported error of `pow(x, 2.0)` the fix that writes `x ** 2.0`.
     pub(super) fn meant_as_power(&mut self, call: &'a ast::Call, span: Span) {
         let name = call.callee.name.name.to_lowercase();
         let (true, [base, exponent]) = (POWERS.contains(&name.as_str()), &call.args[..]) else {
@@ -42,7 +42,8 @@ impl<'a> Body<'_, 'a> {
         finding.fixes = vec![fix];
     }
 
-    /// `P(x, y)` for a struct: how it is written, and its type for what is done with it.
+    /// Adds the struct syntax to the reported error of `P(x, y)` for a struct `P`. Returns an error expression of the
+    /// struct's type.
     pub(super) fn meant_as_struct(&mut self, call: &'a ast::Call, span: Span) -> ExprId {
         let name = &call.callee.name;
         let Lookup::Found(id) = self
@@ -62,7 +63,7 @@ impl<'a> Body<'_, 'a> {
         let form = names_of(&ty.fields).map(|field| format!("{field} = ..."));
         let form = form.collect::<Vec<_>>().join("; ");
         let mended = told.help(format!(
-            "a value of it is written `{} {{{form}}}`",
+            "write a value of this type as `{} {{{form}}}`",
             name.name
         ));
         let mended = match as_fields(&ty, call, span) {
@@ -75,7 +76,7 @@ impl<'a> Body<'_, 'a> {
         self.add(Kind::Fault, Ty::Struct(ty), span)
     }
 
-    /// `map(f, a)`: an iterator whose static arguments stand among the others.
+    /// Reports a call `map(f, a)` of an iterator whose static arguments are written among the arguments.
     pub(super) fn bare_iterator(
         &mut self,
         name: &'static str,
@@ -99,7 +100,7 @@ impl<'a> Body<'_, 'a> {
         };
         let message = format!("`{name}` lacks its static arguments");
         let finding = Finding::new(Code::RPI1010, message)
-            .at(call.callee.span, "not of the right form")
+            .at(call.callee.span, "static arguments expected after the name")
             .help(format!("write `{name}{form}(...)`"));
         let finding = match &call.args[..] {
             [first, second, ..] if is_known => {
@@ -112,21 +113,21 @@ impl<'a> Body<'_, 'a> {
         self.fault_with(finding, span)
     }
 
-    /// Whether a name stands for a declaration that can be called, and for no flow.
+    /// Whether a name is a callable declaration and not a local flow.
     fn is_something_to_call(&self, name: &Name) -> bool {
         let found = self.c.program.lookup_in(Space::Callable, self.module, name);
         let is_callee = |id| super::unit::is_callable(self.c.program.decl(id).kind);
         self.find_local(name).is_none() && matches!(found, Lookup::Found(id) if is_callee(id))
     }
 
-    /// The finding of this code that has been reported last about a place.
+    /// Returns the last reported diagnostic with this code and this primary location.
     pub(super) fn finding_at(&mut self, span: Span, code: Code) -> Option<&mut Finding> {
         let mut findings = self.findings.iter_mut().rev();
         findings.find(|finding| finding.code == code && finding.span() == span)
     }
 }
 
-/// What goes around an operand that is more than a name or a number.
+/// Returns the parentheses that an operand of `**` needs: none for a name or a number.
 fn brackets(operand: &ast::Expr) -> (&'static str, &'static str) {
     match operand.kind {
         ExprKind::Name(_) | ExprKind::Number(_) => ("", ""),
@@ -134,7 +135,7 @@ fn brackets(operand: &ast::Expr) -> (&'static str, &'static str) {
     }
 }
 
-/// A stretch of the same text.
+/// Returns the span from `start` to `end` in the file of `around`.
 fn between(start: u32, end: u32, around: Span) -> Span {
     Span {
         start,
@@ -143,11 +144,12 @@ fn between(start: u32, end: u32, around: Span) -> Span {
     }
 }
 
-/// Brackets and names of fields in place of those of a call.
+/// Returns the fix that turns a call into a struct literal; `None` if the arguments are not as many as the fields.
 fn as_fields(ty: &StructTy, call: &ast::Call, span: Span) -> Option<Fix> {
     if call.args.is_empty() || call.args.len() != ty.fields.len() {
         return None;
     }
+    // `P(x = 1)` parses as a comparison: the fields may be named already, so the fix is uncertain.
     let is_by_name =
         |arg: &ast::Arg| matches!(&arg.value.kind, ExprKind::Binary(of) if of.op == BinaryOp::Eq);
     let mut fix = match call.args.iter().any(is_by_name) {

@@ -1,4 +1,4 @@
-//! Operators that do not mean here what they mean elsewhere, or bind otherwise.
+//! Hints for operators whose meaning or precedence differs from other languages.
 
 use super::body::Body;
 use crate::program::Lookup;
@@ -12,7 +12,8 @@ use rpi_syntax::ast::{Binary, Expr, ExprKind};
 use rpi_syntax::ops::{BinaryOp, UnaryOp};
 
 impl Body<'_, '_> {
-    /// What an operator was meant to be, if it is none for these operands.
+    /// Handles operands for which another operator was clearly meant; returns the result of that operator if there is
+    /// one.
     pub(super) fn misread(
         &mut self,
         binary: &Binary,
@@ -23,7 +24,7 @@ impl Body<'_, '_> {
         self.bits_of_booleans(binary, operands, span)
     }
 
-    /// Whether `x[m]` gives a number a unit, which only literals and types have.
+    /// Whether `x[m]` is probably meant to give a number a unit. Only literals and types have units.
     pub(super) fn is_meant_as_unit(&self, base: ExprId, index: &Expr) -> bool {
         self.is_rpi()
             && matches!(self.ty_of(base), Ty::Int | Ty::Real(_))
@@ -45,23 +46,24 @@ impl Body<'_, '_> {
         }
     }
 
-    /// `x[m]`
+    /// Reports `x[m]`, a unit after an expression that is not a literal.
     pub(super) fn unit_behind_a_flow(&mut self, base: ExprId, unit: &Expr, span: Span) -> ExprId {
         let ty = self.ty_of(base).clone();
-        let message = "a unit stands behind a number or in a type";
+        let message = "a unit must follow a number literal or be part of a type";
         let help = match ty {
-            Ty::Int => "times one of the unit an integer gets it: `real x * 1[m]`",
+            Ty::Int => "convert it and multiply by one unit: `real x * 1[m]`",
             _ => {
-                "a flow gets a unit where it is declared, `x: real[m]`, or times one of it: `x * 1[m]`"
+                "declare the flow with its unit, `x: real[m]`, or multiply by one unit: `x * 1[m]`"
             }
         };
         let finding = Finding::new(Code::RPI2006, message)
-            .at(unit.span, "this is no index")
+            .at(unit.span, "not an index")
             .also(self.span_of(base), format!("this is `{ty}`"));
         self.fault_with(finding.help(help), span)
     }
 
-    /// `a && b` in Lustre, where the sign works on the bits of machine integers: read as the logic that is meant.
+    /// Reports `a && b` between Booleans in Lustre, where the operator is bitwise; returns the logical operation
+    /// instead.
     fn bits_of_booleans(
         &mut self,
         binary: &Binary,
@@ -77,6 +79,7 @@ impl Body<'_, '_> {
             return None;
         }
         let (sign, place) = (binary.op.spelling(), binary.op_span);
+        // Without spaces, as in `a&&b`, the word would join the operands.
         let space = |joined| if joined { " " } else { "" };
         let before = space(binary.lhs.span.end == place.start);
         let after = space(binary.rhs.span.start == place.end);
@@ -87,7 +90,7 @@ impl Body<'_, '_> {
         Some(self.logic(prim, &operands, span))
     }
 
-    /// `!a` in Lustre.
+    /// Reports `!a` of a Boolean in Lustre, where the operator is bitwise; returns the logical negation instead.
     pub(super) fn bits_of_boolean(&mut self, operand: ExprId, span: Span) -> ExprId {
         let sign = Span {
             end: span.start + 1,
@@ -98,7 +101,7 @@ impl Body<'_, '_> {
         self.logic(prim!("Core::BooleanNot"), &[operand], span)
     }
 
-    /// `not i = j`: where the operand of `not` alone can not be negated, the comparison was meant.
+    /// Adds a fix to the error of `not i = j`, where `not` binds tighter than the comparison.
     fn negated_operand(&mut self, binary: &Binary) {
         use BinaryOp::{Eq, Ge, Gt, Le, Lt, Ne};
         let ExprKind::Unary(UnaryOp::Not, operand) = &binary.lhs.kind else {
@@ -116,14 +119,14 @@ impl Body<'_, '_> {
                 .insert_after(binary.rhs.span, ")");
             *told = told
                 .clone()
-                .help("`not` binds before comparisons: `not (a = b)`")
+                .help("`not` binds tighter than comparisons: write `not (a = b)`")
                 .fix(fix);
         }
     }
 }
 
-/// A sign for machine integers that stands between Booleans.
+/// Returns the diagnostic for a bitwise operator between Booleans.
 fn of_bits(sign: &str, word: &str, span: Span) -> Finding {
-    let message = format!("for Booleans `{sign}` is written `{word}`");
-    Finding::new(Code::RPI2006, message).at(span, "works on the bits of machine integers")
+    let message = format!("expected `{word}` between Booleans, found `{sign}`");
+    Finding::new(Code::RPI2006, message).at(span, "bitwise operator of machine integers")
 }

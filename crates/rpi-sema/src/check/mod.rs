@@ -1,29 +1,29 @@
-//! From the syntax tree to the typed program.
+//! Type checker: from the syntax tree to the typed program.
 //!
-//! A [`Unit`] is checked once for each choice of static arguments with which it is called. Types are found bottom up;
-//! a local flow without declared type has that of its equation, whatever the order of the text. Everything is checked
-//! although parts are faulty: what a fault leaves open is [`Ty::Unknown`], which fits everything, so that one fault
-//! gives one message.
+//! A [`Unit`] is checked once for each choice of static arguments with which it is called. Types are inferred bottom
+//! up; a local flow without a declared type gets the type of its equation, in any order of the text. Checking continues
+//! after an error: the type of a faulty expression is [`Ty::Unknown`], which is compatible with every type, so that one
+//! error gives one diagnostic.
 //!
 //! | file | idea |
 //! |---|---|
 //! | `unit.rs`, `header.rs`, `alias.rs`, `statics.rs`, `instance.rs`, `sizes.rs` | callables, their ports and static arguments |
-//! | `assumptions.rs` | what contracts assume, and which they take up |
+//! | `assumptions.rs` | assumptions of contracts, and of the contracts that they import |
 //! | `types.rs`, `device.rs`, `consts.rs` | types and constants |
 //! | `body.rs`, `locals.rs`, `order.rs`, `untold.rs`, `nothing.rs`, `sums.rs`, `statement.rs`, `contract.rs`, `targets.rs`, `spread.rs`, `definitions.rs`, `automaton.rs` | bodies, their flows and equations |
 //! | `blocks.rs`, `elements.rs` | blocks of equations, and arrays that are defined element by element |
-//! | `constraint.rs`, `generic.rs` | constraints of type parameters, and generic bodies, checked for all types that these admit |
-//! | `sample.rs` | what needs arguments that nobody gives, checked all the same |
-//! | `bound.rs`, `quantifier.rs`, `data.rs` | names that expressions bring in: quantifiers, conditions of types, alternatives |
+//! | `constraint.rs`, `generic.rs` | constraints of type parameters; generic bodies, checked for all types that satisfy them |
+//! | `sample.rs` | callables with static parameters that are never called, checked with sample arguments |
+//! | `bound.rs`, `quantifier.rs`, `data.rs` | names that expressions bind: quantifiers, conditions of types, alternatives |
 //! | `expr.rs`, `names.rs`, `ops.rs`, `guess.rs`, `apart.rs`, `bracketed.rs`, `access.rs`, `compose.rs`, `update.rs`, `clocked.rs`, `case.rs` | expressions |
 //! | `time.rs`, `infer_times.rs` | exact time |
 //! | `machine.rs` | machine integers of Kind 2 |
 //! | `call.rs`, `callable.rs`, `args.rs`, `applied.rs`, `prim.rs`, `predef.rs`, `special.rs`, `spatial.rs`, `parts.rs`, `iterate.rs`, `condact.rs`, `meant.rs`, `misread.rs` | calls |
 //! | `task.rs` | tasks: steps, branches, results |
-//! | `nesting.rs`, `recursion.rs` | how deep declarations may need one another, and calls without end |
-//! | `dialect.rs` | where other compilers for Lustre read something else |
-//! | `report.rs`, `quantity.rs`, `frames.rs`, `unknown.rs`, `foreign.rs` | words that several of them use: of types, of units, of frames, of names |
-//! | `words.rs` | names that are there without a declaration, for others |
+//! | `nesting.rs`, `recursion.rs` | limits on nesting and size, and infinite recursion |
+//! | `dialect.rs` | text that other Lustre compilers read differently |
+//! | `report.rs`, `quantity.rs`, `frames.rs`, `unknown.rs`, `foreign.rs` | shared diagnostics: types, units, frames, names |
+//! | `words.rs` | predeclared names, for editors and documentation |
 
 mod access;
 mod alias;
@@ -130,18 +130,19 @@ pub(crate) use words::{predeclared, spatial_parts};
 /// A checked program.
 #[derive(Debug)]
 pub struct Checked {
-    /// All units that are called from somewhere or can be run.
+    /// All units that are called or can be run.
     pub units: Vec<Unit>,
-    /// The unit of each declaration that needs no static arguments, in the order of the declarations.
+    /// Unit of each declaration of the first module that needs no static arguments, in declaration order.
     pub runnable: Vec<(DeclId, UnitId)>,
-    /// What was found.
+    /// All diagnostics.
     pub findings: Vec<Finding>,
+    /// Values of the constants of the first module.
     constants: BTreeMap<DeclId, Constant>,
 }
 
 impl Checked {
-    /// What a parameter of a command or task is when that is run by itself: a device of the same name, the constant of
-    /// the same name that the first module declares, or its default.
+    /// Returns the value of a parameter of a command or task that is started directly: the device of the same name, the
+    /// constant of the same name in the first module, or the default.
     #[must_use]
     pub fn argument(&self, program: &Program<'_>, param: &Flow) -> Argument {
         if let Ty::Device(_) = param.ty {
@@ -165,14 +166,14 @@ impl Checked {
         }
     }
 
-    /// The unit of this index.
+    /// Returns the unit of an index.
     #[must_use]
     pub fn unit(&self, id: UnitId) -> &Unit {
         &self.units[id.0 as usize]
     }
 }
 
-/// Checks a program: the whole of its first module, and of the others what that one uses.
+/// Checks a program: all of its first module, and the declarations of other modules that it uses.
 #[must_use]
 pub fn check(program: &Program<'_>) -> Checked {
     let mut checker = Checker::new(program);
@@ -211,7 +212,8 @@ pub fn check(program: &Program<'_>) -> Checked {
     }
 }
 
-/// What is defined outside keeps a program from running here, and is no fault of it: that is said if nothing else is wrong.
+/// Removes the diagnostics about external definitions if the program has other errors. They only keep the program from
+/// running here.
 fn only_what_is_wrong(findings: &mut Vec<Finding>) {
     let is_outside = |finding: &Finding| matches!(finding.code, Code::RPI0017 | Code::RPI1012);
     let is_fault =
@@ -219,75 +221,80 @@ fn only_what_is_wrong(findings: &mut Vec<Finding>) {
     if findings.iter().any(is_fault) {
         findings.retain(|finding| !is_outside(finding));
     }
-    // Once for each construct.
+    // One diagnostic for each construct.
     let mut said = BTreeSet::new();
     findings.retain(|f| f.code != Code::RPI0017 || said.insert(f.message.clone()));
 }
 
-/// A constant: its type and its leaves.
+/// Value of a constant: its type and its leaves.
 #[derive(Clone, Debug)]
 pub(crate) struct Constant {
     pub(crate) ty: Ty,
     pub(crate) leaves: Rc<[Leaf]>,
 }
 
-/// Something that is worked out once, when it is first needed.
+/// Result of a computation that runs at most once, when it is first needed.
 #[derive(Clone, Debug)]
 enum Lazy<T> {
-    /// Being worked out: needed again meanwhile, it needs itself.
+    /// In progress. Another request in the meantime is a dependency cycle.
     Busy,
-    /// Known; none after a fault.
+    /// Finished; `None` after an error.
     Done(Option<T>),
 }
 
-/// What is known of a program while it is checked.
+/// State of checking a program.
 struct Checker<'a> {
     program: &'a Program<'a>,
-    /// The units; empty until they are checked.
+    /// Units by index; empty until they are checked.
     units: Vec<Unit>,
+    /// Header and progress of each unit, by index.
     entries: Vec<unit::Entry>,
+    /// Whether the diagnostic about too many instances or too many expressions has been reported.
     too_many_units: bool,
-    /// What has been told of instances, by what they are instances of.
+    /// Errors already reported in instances, by generic declaration, code and location.
     told_of_instances: BTreeSet<(DeclId, Code, Span)>,
-    /// Generic declarations with a fault that has been reported: none of their instances is reported as well.
+    /// Generic declarations with a reported error. No errors are reported in their instances.
     faulty_generics: Set<DeclId>,
-    /// Expressions and flows of the units that have been checked.
+    /// Number of expressions and flows of all checked units, plus a share for the leaves of constants.
     written_out: usize,
-    /// How many there may be.
+    /// Upper limit of `written_out`.
     most: usize,
-    /// How many instances lie around the unit that is being checked, each made by the one before.
+    /// Number of nested instances around the current unit: each is created while the previous one is checked.
     depth: u32,
+    /// Units by the key of their instance: declaration and static arguments.
     unit_ids: Map<String, UnitId>,
-    /// The declarations that have a unit.
+    /// Declarations that have a unit.
     called: Set<DeclId>,
+    /// Units that wait to be checked.
     queue: VecDeque<UnitId>,
     constants: Map<DeclId, Lazy<Constant>>,
     types: Map<String, Lazy<Ty>>,
     headers: Map<String, Option<Rc<Header>>>,
     findings: Vec<Finding>,
-    /// The constants and types that are being worked out, each for the sake of the one before.
+    /// Constants and types in progress, each needed by the previous one.
     open: Vec<DeclId>,
-    /// How many expressions and declarations are being checked, each for the sake of the one before.
+    /// Number of nested expressions and declarations in progress, each needed by the previous one.
     nesting: u32,
-    /// Callables whose ports are just being found.
+    /// Number of callables whose ports are being resolved.
     headers_open: u32,
-    /// What tasks do with devices.
+    /// Devices that each task drives.
     task_uses: Map<DeclId, Rc<task::Uses>>,
+    /// Whether the diagnostic about too deeply nested declarations has been reported.
     too_deep: bool,
-    /// The other names for callables that are being looked up, each for the sake of the one before.
+    /// Aliases of callables being resolved, each needed by the previous one.
     aliases: Vec<DeclId>,
-    /// Those that stand for themselves.
+    /// Aliases with a dependency cycle.
     ringed: BTreeSet<DeclId>,
-    /// How many names may still be looked at for "did you mean".
+    /// Number of names that may still be compared for "did you mean".
     patience: Cell<usize>,
-    /// Constants that need others without a value, and what is to be said of that.
+    /// Constants that depend on constants without a value, with the diagnostic for their use.
     outside: BTreeMap<DeclId, Finding>,
-    /// Types whose conditions are about earlier cycles.
+    /// Types whose conditions refer to earlier cycles.
     temporal: BTreeSet<DeclId>,
 }
 
-/// Names that are looked at for "did you mean", all findings of a program together: whoever has very many wrong names
-/// gets to know of the first ones what was meant.
+/// Number of names compared for "did you mean" in one program. With very many undefined names only the first ones get a
+/// suggestion.
 const PATIENCE: usize = 200_000;
 
 impl<'a> Checker<'a> {
@@ -326,14 +333,15 @@ impl<'a> Checker<'a> {
         self.program.decl(id).mode == rpi_syntax::Mode::Lustre
     }
 
-    /// The nearest of these names, if one is near enough to be meant.
+    /// Returns the most similar of these names, if it is similar enough for a suggestion.
     fn suggest<'n>(&self, name: &str, names: impl Iterator<Item = &'n str>) -> Option<String> {
         let names = names.take(self.patience.get());
         let names = names.inspect(|_| self.patience.set(self.patience.get().saturating_sub(1)));
         rpi_diag::suggest(name, names)
     }
 
-    /// Checks a declaration of the first module by itself; a callable that needs no static arguments gives a unit.
+    /// Checks a declaration of the first module on its own; returns the unit of a callable that needs no static
+    /// arguments.
     fn declaration(&mut self, id: DeclId) -> Option<UnitId> {
         match self.program.decl(id).kind {
             DeclKind::Const(_) if self.is_lustre(id) => self.constant_alone(id),

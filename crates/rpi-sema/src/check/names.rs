@@ -1,4 +1,4 @@
-//! A name in an expression.
+//! Names in expressions.
 
 use super::Constant;
 use super::body::Body;
@@ -15,7 +15,7 @@ use rpi_prims::PrimId;
 use rpi_syntax::Name;
 use rpi_syntax::ast::{self, CommandDecl, ExprKind};
 
-/// A flow that is there without being declared: its name, primitive, and whether only commands have it.
+/// A predeclared flow: name, primitive, type, and whether only commands have it.
 pub(super) struct Predeclared {
     pub(super) name: &'static str,
     pub(super) prim: PrimId,
@@ -23,7 +23,7 @@ pub(super) struct Predeclared {
     of_command: bool,
 }
 
-/// The predeclared flows.
+/// All predeclared flows.
 pub(super) const PREDECLARED: &[Predeclared] = &[
     flow("cancel", prim!("Cancel"), Ty::Bool, true),
     flow("takeover", prim!("Takeover"), Ty::Bool, true),
@@ -42,7 +42,7 @@ const fn flow(name: &'static str, prim: PrimId, ty: Ty, of_command: bool) -> Pre
     }
 }
 
-/// The name of the predeclared flow that a primitive gives.
+/// Returns the name of the predeclared flow that a primitive computes.
 pub(crate) fn predeclared_name(prim: &str) -> Option<&'static str> {
     let flow = PREDECLARED
         .iter()
@@ -51,7 +51,7 @@ pub(crate) fn predeclared_name(prim: &str) -> Option<&'static str> {
 }
 
 impl<'a> Body<'_, 'a> {
-    /// A plain or qualified name.
+    /// Resolves a plain or qualified name.
     pub(super) fn name(&mut self, name: &Name, span: Span) -> ExprId {
         if let Some(bound) = self.bound_name(name, span) {
             return bound;
@@ -81,7 +81,8 @@ impl<'a> Body<'_, 'a> {
         match local {
             Local::Flow(flow) => self.flow_expr(*flow, span),
             Local::Constant(constant) => self.constant_expr(constant, span),
-            // Fragments and states are no flows: a state may be called as what holds in it.
+            // Fragments and states are not flows. A state may share its name with the constant or enum value that holds
+            // in it.
             _ if let Some(value) = self.value_called(name) => self.declared(value, span),
             Local::Block(block) => self.not_a_value(name, "a fragment", *block, span),
             Local::State(block) => self.not_a_value(name, "a state", *block, span),
@@ -96,7 +97,7 @@ impl<'a> Body<'_, 'a> {
         self.fault_with(finding, span)
     }
 
-    /// A name that stands for a state of more than one automaton, read outside of them.
+    /// Reports a name that is a state of several automata and is read outside of them.
     pub(super) fn one_of_several_states(
         &mut self,
         name: &Name,
@@ -105,14 +106,14 @@ impl<'a> Body<'_, 'a> {
     ) -> ExprId {
         let message = format!("`{name}` is a state of more than one automaton");
         let finding = Finding::new(Code::RPI1002, message)
-            .at(span, "which of them is read here?")
-            .also(first, "this one")
-            .also(second, "or this one")
+            .at(span, "ambiguous name")
+            .also(first, "one candidate")
+            .also(second, "another candidate")
             .help("give one of them another name");
         self.fault_with(finding, span)
     }
 
-    /// The constant or the value of an enum that is declared by a name.
+    /// Returns the constant or enum value of this name.
     fn value_called(&self, name: &Name) -> Option<DeclId> {
         let Lookup::Found(id) = self.c.program.lookup_in(Space::Value, self.module, name) else {
             return None;
@@ -121,7 +122,7 @@ impl<'a> Body<'_, 'a> {
         matches!(kind, DeclKind::Const(_) | DeclKind::EnumValue { .. }).then_some(id)
     }
 
-    /// A flow, read.
+    /// Adds an expression that reads a flow.
     pub(super) fn flow_expr(&mut self, flow: FlowId, span: Span) -> ExprId {
         if self.inferring {
             self.is_missing(flow, span);
@@ -130,13 +131,13 @@ impl<'a> Body<'_, 'a> {
         self.add(Kind::Flow(flow), ty, span)
     }
 
-    /// A constant, read.
+    /// Adds an expression for a constant.
     pub(super) fn constant_expr(&mut self, constant: &Constant, span: Span) -> ExprId {
         let kind = match &constant.leaves[..] {
             [one] => Kind::Literal(one.clone()),
             _ => Kind::Const(constant.leaves.clone()),
         };
-        // How long a tick is is not known where constants are worked out: there times are seconds.
+        // Constants are evaluated without a known tick length, so times are in seconds there.
         let ty = match &constant.ty {
             Ty::Duration if self.unit.kind == UnitKind::Constant => super::time::SECONDS,
             ty => ty.clone(),
@@ -162,7 +163,13 @@ impl<'a> Body<'_, 'a> {
                 None if frame.pose.is_some() => self.fault(span),
                 None => {
                     let finding = not_a("a flow", &decl.name, "a frame", span, decl.span);
-                    self.fault_with(finding.help(format!("it is the pose of `{0}` where that is declared: `frame {0} in world = pose(...);`", decl.name)), span)
+                    self.fault_with(
+                        finding.help(format!(
+                            "declare its pose: `frame {0} in world = pose(...);`",
+                            decl.name
+                        )),
+                        span,
+                    )
                 }
             },
             kind => self.not_a_flow(&decl.name, kind.what(), span, decl.span),
@@ -193,9 +200,9 @@ impl<'a> Body<'_, 'a> {
     }
 
     fn no_command(&mut self, name: &str, span: Span) -> ExprId {
-        let finding = Finding::new(Code::RPI3005, format!("a function can not read `{name}`"))
+        let finding = Finding::new(Code::RPI3005, format!("a function cannot read `{name}`"))
             .at(span, "it belongs to the running command")
-            .help("give it to the function as an argument, or make the function a node");
+            .help("pass it to the function as an argument, or declare the function as a node");
         self.fault_with(finding, span)
     }
 
@@ -218,7 +225,7 @@ impl<'a> Body<'_, 'a> {
         if self.unit.kind == UnitKind::Task {
             let finding = unknown("device or parameter", name, span, near);
             self.report(finding.help(format!(
-                "a task says which devices it is given: `task {} (arm: Arm)`",
+                "declare the devices of a task as its parameters: `task {} (arm: Arm)`",
                 self.unit.name
             )));
             return self.fault(span);
@@ -240,7 +247,7 @@ impl<'a> Body<'_, 'a> {
         self.fault(span)
     }
 
-    /// `MoveToC.at_b`: how a command ended.
+    /// Resolves `MoveToC.at_b`, the identity of a command's result; returns `None` if the name is not a command.
     pub(super) fn result_of(
         &mut self,
         name: &Name,
@@ -261,16 +268,18 @@ impl<'a> Body<'_, 'a> {
         if !results.contains(&&field.name) {
             let near = rpi_diag::suggest(&field.name, results.iter().map(|name| name.as_str()));
             let of = format!("the command `{name}`");
-            let finding = super::report::no_member(&of, &field.name, field.span, near).help(
-                format!("it ends by {}", listed(results.iter().map(|n| n.as_str()))),
-            );
+            let finding =
+                super::report::no_member(&of, &field.name, field.span, near).help(format!(
+                    "its results are {}",
+                    listed(results.iter().map(|n| n.as_str()))
+                ));
             return Some(self.fault_with(finding, span));
         }
         let identity = result_identity(&format!("{name}.{}", field.name));
         Some(self.add(Kind::Literal(Leaf::int(identity)), Ty::Result, span))
     }
 
-    /// A name with parts, as `export` lists it.
+    /// Resolves a name with parts, as in `export a.b`.
     pub(super) fn dotted(&mut self, dotted: &'a ast::Dotted) -> ExprId {
         let [first, rest @ ..] = &dotted.parts[..] else {
             return self.fault(dotted.span);
@@ -289,13 +298,13 @@ impl<'a> Body<'_, 'a> {
     }
 }
 
-/// The results of a command in text order.
+/// Returns the names of a command's results in text order.
 pub(crate) fn results_of(command: &CommandDecl) -> Vec<&Name> {
     let ends = ends_of(command).into_iter();
     ends.map(|end| &end.result.name).collect()
 }
 
-/// How a command can end, in text order.
+/// Returns the statements that end a command, in text order.
 pub(crate) fn ends_of(command: &CommandDecl) -> Vec<&ast::End> {
     let statements = command.body.statements.iter();
     let ends = statements.filter_map(|statement| match &statement.kind {
@@ -305,14 +314,14 @@ pub(crate) fn ends_of(command: &CommandDecl) -> Vec<&ast::End> {
     ends.collect()
 }
 
-/// The identity of a result at run time: 64-bit FNV-1a of `Command.result` (Fowler, Noll, Vo).
+/// Returns the run-time identity of a result: the 64-bit FNV-1a hash (Fowler, Noll, Vo) of `Command.result`.
 #[must_use]
 pub fn result_identity(path: &str) -> i64 {
     let step = |hash: u64, byte: u8| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
     path.bytes().fold(0xcbf2_9ce4_8422_2325, step).cast_signed()
 }
 
-/// The name of an expression that is nothing but a name, parentheses aside.
+/// Returns the name of an expression that is only a name, ignoring parentheses.
 pub(super) fn plain_name(expr: &ast::Expr) -> Option<&Name> {
     match &expr.unparen().kind {
         ExprKind::Name(name) => Some(name),

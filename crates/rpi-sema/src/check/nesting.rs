@@ -1,5 +1,5 @@
-//! How deep declarations may need one another, and how much a program may ask for: each level costs stack, and what a
-//! chain of them makes is taken apart level by level again; iterators and recursions ask for far more than is written.
+//! Limits on nesting and program size. Each level of nested declarations costs stack, here and in later passes.
+//! Iterators and recursions expand to far more expressions than the text contains.
 
 use super::Checker;
 use super::body::Body;
@@ -8,35 +8,35 @@ use crate::ty::{Member, Ty};
 use crate::typed::Leaf;
 use rpi_diag::{Code, Finding, Span};
 
-/// The deepest nesting of expressions and declarations at which one more declaration is looked at. Within one
-/// expression the parser limits it.
+/// Maximum nesting of expressions and declarations at which another declaration is still checked. The parser limits the
+/// nesting within one expression.
 const MAX_NESTING: u32 = 420;
 
-/// The most names in a row of which each stands for the next.
+/// Maximum length of a chain of aliases.
 const MAX_NAMES: usize = 64;
 
-/// The deepest nesting of structs and arrays in a type.
+/// Maximum nesting of structs and arrays in a type.
 const MAX_LEVELS: u32 = 420;
 
-/// The most parts of a struct, all levels together.
+/// Maximum number of parts of a struct, over all levels.
 const MAX_PARTS: usize = super::types::MAX_LEAVES;
 
-/// The most expressions and flows of all units together, beyond what the text is paid for.
+/// Maximum number of expressions and flows of all units, in addition to the share that grows with the source text.
 const MAX_WRITTEN_OUT: usize = 320_000;
 
-/// Expressions that a byte of text may stand for.
+/// Number of expressions allowed for each byte of source text.
 const PER_BYTE: usize = 4;
 
-/// Leaves of constants that cost as much as an expression.
+/// Number of leaves of constants that count as one expression.
 const LEAVES: usize = 4;
 
-/// The most expressions and flows of all units of a program together.
+/// Returns the maximum number of expressions and flows of all units of a program.
 pub(super) fn most(program: &Program<'_>) -> usize {
     MAX_WRITTEN_OUT + PER_BYTE * program.length()
 }
 
 impl Body<'_, '_> {
-    /// Whether one more element, or instance, may be written out; says so once if not.
+    /// Whether another element or instance may be expanded; reports the limit once if not.
     pub(super) fn may_go_on(&mut self, span: Span) -> bool {
         let may = self.c.written_out + self.unit.exprs.len() < self.c.most;
         if !may {
@@ -47,7 +47,7 @@ impl Body<'_, '_> {
 }
 
 impl Checker<'_> {
-    /// Whether a constant of these leaves may be kept; says so once if not.
+    /// Whether a constant with these leaves may be stored; reports the limit once if not.
     pub(super) fn may_keep(&mut self, leaves: &[Leaf], span: Span) -> bool {
         self.written_out += leaves.len() / LEAVES;
         let may = self.written_out < self.most;
@@ -57,23 +57,23 @@ impl Checker<'_> {
         may
     }
 
-    /// Says once that a program asks for too much.
+    /// Reports once that the expanded program is too large.
     pub(super) fn too_much(&mut self, span: Span) {
         if std::mem::replace(&mut self.too_many_units, true) {
             return;
         }
         let most = self.most;
-        let message = format!("written out this is more than {most} expressions");
-        let finding = Finding::new(Code::RPI1011, message).at(span, "one more here");
-        self.findings.push(finding.help("iterators are written out element by element, generic nodes for each choice of their static arguments"));
+        let message = format!("program too large: more than {most} expressions after expansion");
+        let finding = Finding::new(Code::RPI1011, message).at(span, "limit exceeded here");
+        self.findings.push(finding.help("use smaller sizes: iterators expand to one copy per element, generic nodes to one per choice of static arguments"));
     }
 
-    /// Whether a declaration that is needed by what is being checked can be looked at now; says so once if not.
+    /// Whether a declaration that the current one needs may be checked now; reports the limit once if not.
     pub(super) fn may_nest(&mut self, what: &str, span: Span) -> bool {
         self.may(self.nesting < MAX_NESTING, what, span)
     }
 
-    /// Whether one more name may stand for another one; says so once if not.
+    /// Whether another alias may be resolved; reports the limit once if not.
     pub(super) fn may_stand_for(&mut self, span: Span) -> bool {
         self.may(self.aliases.len() < MAX_NAMES, "node", span)
     }
@@ -83,16 +83,16 @@ impl Checker<'_> {
             self.findings.push(
                 Finding::new(
                     Code::RPI1011,
-                    format!("too many declarations in a row need one another to know this {what}"),
+                    format!("the chain of declarations that this {what} depends on is too long"),
                 )
-                .at(span, "needed at the end of the row")
-                .help("declare what is needed before what needs it, or shorten the row"),
+                .at(span, "end of the chain")
+                .help("declare each name before its use, or shorten the chain"),
             );
         }
         may
     }
 
-    /// Works on a declaration that something else needs.
+    /// Runs `work` one nesting level deeper, for a declaration that another one needs.
     pub(super) fn nested<T>(&mut self, work: impl FnOnce(&mut Self) -> T) -> T {
         self.nesting += 1;
         let result = work(self);
@@ -101,13 +101,13 @@ impl Checker<'_> {
     }
 }
 
-/// Whether a struct of these fields is of a size that can be worked with.
+/// Whether a struct with these fields is within the size limits.
 pub(super) fn is_workable(fields: &[Member]) -> bool {
     sum(fields, MAX_LEVELS, MAX_PARTS).is_some()
 }
 
-/// How many parts a type has, itself included; none if it has more than `most` or more `levels`. What is too large is
-/// not counted to the end.
+/// Returns the number of parts of a type, itself included; `None` above `most` parts or `levels` levels. Counting stops
+/// at the limit.
 fn parts(ty: &Ty, levels: u32, most: usize) -> Option<usize> {
     let below = levels.checked_sub(1)?;
     let count = match ty {

@@ -1,5 +1,5 @@
-//! Of what type a `none` is: what stands around it tells. Without a type it has no leaves, and would be taken for a value
-//! that is there: where nothing tells the type that is reported.
+//! Infers the type of each `none` from its context. A `none` without a type has no leaves and would be treated as a
+//! present value, so a type that cannot be inferred is reported.
 
 use super::body::Body;
 use super::prim::port_ty;
@@ -10,12 +10,12 @@ use crate::typed::{BlockId, Each, ExprId, FlowId, Kind, Place};
 use rpi_diag::{Code, Finding, Severity};
 
 impl Body<'_, '_> {
-    /// Gives every `none` of the unit its type.
+    /// Infers the type of every `none` of the unit, and reports those whose type remains unknown.
     pub(super) fn give_types_to_none(&mut self) {
         let is_error = |finding: &&Finding| finding.severity() == Severity::Error;
         let here = self.findings.iter().any(|finding| is_error(&finding));
         let mut around = self.c.findings.iter().filter(is_error);
-        // What has a fault has no type, either.
+        // An expression with an error has no type either, so nothing is reported after other errors.
         if !self.has_untyped_none() || here || around.any(|told| told.code != Code::RPI2007) {
             return;
         }
@@ -41,7 +41,7 @@ impl Body<'_, '_> {
         all.any(|id| self.is_untyped_none(id))
     }
 
-    /// What flows, equations and conditions tell of the types of their values.
+    /// Returns the types that flows, equations and conditions require of their expressions.
     fn told_around(&self) -> Vec<(ExprId, Ty)> {
         let defaults = self.unit.flows.iter();
         let defaults = defaults.filter_map(|flow| Some((flow.default?, flow.ty.clone())));
@@ -66,7 +66,7 @@ impl Body<'_, '_> {
         types
     }
 
-    /// What an operator tells of the types of its operands.
+    /// Returns the types that an operator requires of its operands.
     fn told_by_operator(&self, id: ExprId) -> Vec<(ExprId, Ty)> {
         let expr = self.unit.expr(id);
         let alike = |ids: &[ExprId]| ids.iter().map(|id| (*id, expr.ty.clone())).collect();
@@ -105,7 +105,7 @@ impl Body<'_, '_> {
         }
     }
 
-    /// What a value tells of the types of its parts.
+    /// Returns the types of the parts of an array, struct or tuple expression.
     fn told_by_parts(&self, id: ExprId) -> Vec<(ExprId, Ty)> {
         let expr = self.unit.expr(id);
         match (&expr.kind, &expr.ty) {
@@ -123,7 +123,7 @@ impl Body<'_, '_> {
         }
     }
 
-    /// Gives a type to what only passes `none` on.
+    /// Sets the type of an expression that only passes `none` on; other expressions and known types remain unchanged.
     fn give_type(&mut self, id: ExprId, ty: &Ty) {
         let expr = &mut self.unit.exprs[id.0 as usize];
         let passes_on = matches!(
@@ -141,7 +141,7 @@ impl Body<'_, '_> {
         }
     }
 
-    /// Reports each `none` of which nothing tells the type: by the flow that has its type from it, if there is one.
+    /// Reports each `none` of unknown type: at the flow that gets its type from it, otherwise at the `none` itself.
     fn report_untyped(&mut self) {
         let mut told: Set<ExprId> = Set::default();
         for block in (0..self.unit.blocks.len()).map(|k| BlockId(u32::try_from(k).unwrap_or(0))) {
@@ -163,15 +163,15 @@ impl Body<'_, '_> {
         }
         for id in (0..).map(ExprId).take(self.unit.exprs.len()) {
             if self.is_untyped_none(id) && !told.contains(&id) {
-                let finding = Finding::new(Code::RPI2007, "nothing tells the type of this `none`")
-                    .at(self.span_of(id), "absent, but what would it be?")
-                    .help("give it a name and a type: `var nothing: int?;` before `let`, and `nothing = none;`");
+                let finding = Finding::new(Code::RPI2007, "cannot infer the type of this `none`")
+                    .at(self.span_of(id), "absent value of unknown type")
+                    .help("declare a flow with a type: `var nothing: int?;` before `let`, and `nothing = none;`");
                 self.report(finding);
             }
         }
     }
 
-    /// Each `none` without a type in an expression.
+    /// Returns each `none` of unknown type within an expression.
     fn untyped_in(&self, root: ExprId) -> Vec<ExprId> {
         let (mut parts, mut found) = (self.unit.parts(root), Vec::new());
         while let Some((id, _)) = parts.next() {
@@ -184,7 +184,7 @@ impl Body<'_, '_> {
     }
 
     fn untold_by_none(&mut self, flow: FlowId) {
-        let why = "its equation only says that it is absent";
+        let why = "its equation is only `none`";
         let finding = untold(self.unit.flow(flow), why, "...?");
         self.report(finding);
     }

@@ -1,4 +1,4 @@
-//! Operators: which primitive they are for which operands, and what their result is.
+//! Operators: the primitive for each combination of operand types, and the result type.
 
 use super::body::Body;
 use super::guess::{binary_guess, guess_by_number, unary_guess};
@@ -16,28 +16,28 @@ use rpi_syntax::ast::{self, Binary, ExprKind};
 use rpi_syntax::ops::{BinaryOp, Grouping, UnaryOp};
 use std::rc::Rc;
 
-/// How the type of a result follows from those of the operands.
+/// Rule that derives the result type of an operator from its operand types.
 #[derive(Clone, Copy, PartialEq, Debug)]
 enum Rule {
-    /// Both are of one kind; so is the result.
+    /// Operands of the same type; the result has this type, too.
     Same,
-    /// Both are of one kind; the result is a Boolean.
+    /// Operands of the same type; the result is a Boolean.
     Test,
-    /// Dimensions multiply.
+    /// Product: the dimensions are multiplied.
     Times,
-    /// Dimensions divide.
+    /// Quotient: the dimensions are divided.
     Over,
-    /// A constant power.
+    /// Power with a constant exponent.
     Power,
-    /// Frames are composed, `(b in a) * (c in b)`.
+    /// Composition of frames, `(b in a) * (c in b)`.
     Compose,
-    /// A point in time.
+    /// Point in time plus seconds; the result is a point in time.
     Moment,
-    /// Seconds.
+    /// Difference of two points in time; the result is in seconds.
     Seconds,
 }
 
-/// An operator on operands of given machine types.
+/// Overload of an operator: the primitive for operands of given machine types.
 struct Row {
     op: BinaryOp,
     left: Scalar,
@@ -68,7 +68,7 @@ const fn row(
 use BinaryOp::{Add, And, Div, Ge, Gt, Implies, IntDiv, Le, Lt, Mod, Mul, Or, Pow, Sub, Xor};
 use Scalar::{Bool, Int, Pose, Real, Rotation, Time, Twist, Vector, Wrench};
 
-/// Every operator that is one primitive.
+/// All binary operators that map to one primitive.
 #[rustfmt::skip]
 const BINARY: &[Row] = &[
     row(And,     (Bool, Bool),         prim!("Core::BooleanAnd"),        false, Rule::Test),
@@ -111,13 +111,13 @@ const BINARY: &[Row] = &[
     row(Sub,     (Time, Time),         prim!("Core::TimeDiff"),          false, Rule::Seconds),
 ];
 
-/// Operators whose result is a Boolean.
+/// Ordering operators; their result is a Boolean.
 pub(super) const TESTS: &[BinaryOp] = &[Lt, Le, Gt, Ge];
 
-/// Those that have no result for a right operand of 0.
+/// Division primitives, which are undefined for a right operand of 0.
 const DIVISIONS: &[PrimId] = &[prim!("Core::IntDivide"), prim!("Rpi::IntModulo")];
 
-/// Unary operators that are one primitive.
+/// All unary operators that map to one primitive.
 #[rustfmt::skip]
 const UNARY: &[(UnaryOp, Scalar, PrimId)] = &[
     (UnaryOp::Not,    Bool,   prim!("Core::BooleanNot")),
@@ -129,7 +129,7 @@ const UNARY: &[(UnaryOp, Scalar, PrimId)] = &[
 ];
 
 impl<'a> Body<'_, 'a> {
-    /// `op operand`
+    /// Checks a unary operation `op operand`.
     pub(super) fn unary(&mut self, op: UnaryOp, operand: &'a ast::Expr, span: Span) -> ExprId {
         if let (UnaryOp::Neg, ExprKind::Number(number)) = (op, &operand.kind) {
             self.numbers.insert(span);
@@ -146,7 +146,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// A unary operator on a checked operand.
+    /// Checks a unary operator on a checked operand.
     pub(super) fn unary_prim(&mut self, op: UnaryOp, operand: ExprId, span: Span) -> ExprId {
         if matches!(op, UnaryOp::ToReal | UnaryOp::ToInt) {
             self.in_seconds(operand);
@@ -194,7 +194,7 @@ impl<'a> Body<'_, 'a> {
             None => {
                 let finding = Finding::new(
                     Code::RPI2006,
-                    format!("`{}` can not take `{ty}`", op.spelling()),
+                    format!("`{}` cannot take `{ty}`", op.spelling()),
                 )
                 .at(self.span_of(operand), format!("this is `{ty}`"));
                 let finding = quantity::operand_apart(finding, op, &ty);
@@ -212,7 +212,7 @@ impl<'a> Body<'_, 'a> {
         self.add(Kind::Each(Each::Pre, [operand].into()), ty, span)
     }
 
-    /// `lhs op rhs`
+    /// Checks a binary operation `lhs op rhs`.
     pub(super) fn binary(&mut self, binary: &'a Binary, span: Span) -> ExprId {
         match binary.op {
             BinaryOp::Concat => self.concat(binary, span),
@@ -241,12 +241,13 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// Whether the left side is a sampled flow without its clock, as in `x when x > 0.0`: nobody compares it.
+    /// Whether the left side is an invalid sampled flow, as in `x when x > 0.0`. The comparison then reports no further
+    /// error.
     fn is_unsampled(&self, lhs: &ast::Expr, left: ExprId) -> bool {
         matches!(lhs.kind, ExprKind::When(_)) && matches!(self.unit.expr(left).kind, Kind::Fault)
     }
 
-    /// Whether an expression is the integer 0, written or worked out from what is written.
+    /// Whether an expression is the integer 0: a literal, or one operation on literals.
     fn is_zero(&mut self, id: ExprId) -> bool {
         let literal = |unit: &Unit, id: ExprId| matches!(unit.expr(id).kind, Kind::Literal(_));
         let known = match &self.unit.expr(id).kind {
@@ -262,14 +263,14 @@ impl<'a> Body<'_, 'a> {
     }
 
     fn by_zero(&mut self, op: BinaryOp, divisor: ExprId) {
-        let message = format!("`{}` by zero has no result", op.spelling());
+        let message = format!("`{}` by zero is undefined", op.spelling());
         let finding = Finding::new(Code::RPI2012, message)
             .at(self.span_of(divisor), "this is 0 in every cycle")
-            .help("correct the divisor");
+            .help("use a divisor other than 0");
         self.report(finding);
     }
 
-    /// `x * 2 + 1`: what mends the first integer among reals, mends the others of the same expression.
+    /// Extends the fix that writes the first integer of `x * 2 + 1` as a real to the other integers of the expression.
     fn is_real_too(&mut self, left: ExprId, right: ExprId) {
         let is_int = |body: &Self, id| body.is_number(id) && *body.ty_of(id) == Ty::Int;
         let (faulty, int) = match (is_int(self, left), is_int(self, right)) {
@@ -287,7 +288,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// A binary operator on checked operands.
+    /// Checks a binary operator on checked operands.
     pub(super) fn binary_prim(
         &mut self,
         op: BinaryOp,
@@ -303,7 +304,7 @@ impl<'a> Body<'_, 'a> {
             self.is_real_too(left, right);
             let guess = guess_by_number(self.guesses, op, &a, &b);
             let guess = guess.unwrap_or_else(|| binary_guess(op, &a, &b));
-            // Faults on both sides, of arrays for instance, leave nothing to go by.
+            // After errors on both sides, of arrays for instance, the result type cannot be guessed.
             let faulty = !self.inferring && a.is_unknown() && b.is_unknown();
             let guess = if faulty { Ty::Unknown } else { guess };
             return self.add(Kind::Fault, guess, span);
@@ -325,7 +326,7 @@ impl<'a> Body<'_, 'a> {
         let Some(row) = BINARY.iter().find(fits) else {
             return self.no_operator(op, left, right, span);
         };
-        // Whoever needs a constant says why it has none.
+        // The evaluation of a constant reports the division by zero itself.
         let is_run = self.unit.kind != UnitKind::Constant;
         if is_run && DIVISIONS.contains(&row.prim) && self.is_zero(right) {
             self.by_zero(op, right);
@@ -342,7 +343,7 @@ impl<'a> Body<'_, 'a> {
         self.prim_typed(row.prim, &operands, ty, span)
     }
 
-    /// Logic on checked Booleans.
+    /// Adds a logical operation on checked Booleans.
     pub(super) fn logic(&mut self, prim: PrimId, operands: &[ExprId], span: Span) -> ExprId {
         self.prim_typed(prim, operands, Ty::Bool, span)
     }
@@ -389,7 +390,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// The type of a product or quotient.
+    /// Returns the type of a product or quotient; `combine` multiplies or divides the dimensions.
     fn scaled(&mut self, a: &Ty, b: &Ty, combine: fn(Dim, Dim) -> Option<Dim>, at: ExprId) -> Ty {
         let dims = (dim_of(a), dim_of(b));
         let dim = match dims {
@@ -410,9 +411,8 @@ impl<'a> Body<'_, 'a> {
             }
             (None, Some(dim)) => Ty::Real(dim),
             (None, None) => {
-                let finding =
-                    Finding::new(Code::RPI2002, "a dimension with an exponent out of range")
-                        .at(self.span_of(at), "too many factors");
+                let finding = Finding::new(Code::RPI2002, "exponent of a dimension out of range")
+                    .at(self.span_of(at), "too many factors");
                 self.report(finding);
                 Ty::Unknown
             }
@@ -437,9 +437,12 @@ impl<'a> Body<'_, 'a> {
             || {
                 let finding = Finding::new(
                     Code::RPI2002,
-                    format!("the dimension of a power of `{dim}` is not known"),
+                    format!("cannot infer the dimension of a power of `{dim}`"),
                 )
-                .at(self.span_of(right), "not a constant small fraction")
+                .at(
+                    self.span_of(right),
+                    "the exponent must be a constant small fraction",
+                )
                 .also(self.span_of(left), format!("this is in `{dim}`"));
                 self.report(finding);
                 Ty::Unknown
@@ -453,7 +456,7 @@ impl<'a> Body<'_, 'a> {
         if matches!(ty, Ty::Device(_) | Ty::Text) {
             let finding = Finding::new(
                 Code::RPI2006,
-                format!("`{}` can not take `{ty}`", op.spelling()),
+                format!("`{}` cannot take `{ty}`", op.spelling()),
             )
             .at(self.span_of(left), format!("this is `{ty}`"));
             return self.fault_with(finding, span);
@@ -463,14 +466,14 @@ impl<'a> Body<'_, 'a> {
         self.add(Kind::Equal { operands, negated }, Ty::Bool, span)
     }
 
-    /// `a fby b` is `a -> pre b`.
+    /// Checks `a fby b`, which is `a -> pre b`.
     fn fby(&mut self, binary: &'a Binary, span: Span) -> ExprId {
         self.has_state(span);
         let left = self.expr(&binary.lhs);
         self.past += 1;
         let right = self.expr(&binary.rhs);
         self.past -= 1;
-        let ty = self.common_type(left, right, "both sides have one type");
+        let ty = self.common_type(left, right, "both sides must have the same type");
         let delayed = self.add(Kind::Each(Each::Pre, [right].into()), ty.clone(), span);
         self.add(Kind::Each(Each::Arrow, [left, delayed].into()), ty, span)
     }
@@ -486,7 +489,7 @@ impl<'a> Body<'_, 'a> {
         let text = op.spelling();
         let finding = Finding::new(
             Code::RPI2006,
-            format!("`{text}` can not take `{a}` and `{b}`"),
+            format!("`{text}` cannot take `{a}` and `{b}`"),
         )
         .at(self.span_of(right), format!("this is `{b}`"))
         .also(self.span_of(left), format!("this is `{a}`"));
@@ -498,7 +501,7 @@ impl<'a> Body<'_, 'a> {
     }
 }
 
-/// `a < b < c`, which the parser has reported.
+/// Whether this is a chained comparison `a < b < c`, which the parser has reported.
 fn is_chained(binary: &Binary) -> bool {
     let single = |op: BinaryOp| op.grouping() == Grouping::None;
     match &binary.lhs.kind {
@@ -507,7 +510,7 @@ fn is_chained(binary: &Binary) -> bool {
     }
 }
 
-/// The machine type for which operators are looked up: enums and results have none.
+/// Returns the machine type for the lookup of operators; `None` for enums, results, machine integers and durations.
 fn operand_kind(ty: &Ty) -> Option<Scalar> {
     match ty {
         Ty::Enum(_) | Ty::Result | Ty::Machine(_) | Ty::Duration => None,
@@ -515,7 +518,7 @@ fn operand_kind(ty: &Ty) -> Option<Scalar> {
     }
 }
 
-/// The dimension of what is multiplied.
+/// Returns the dimension of a factor, dividend or divisor; `None` if its type has no single dimension.
 fn dim_of(ty: &Ty) -> Option<Dim> {
     match ty {
         Ty::Real(dim) => Some(*dim),

@@ -1,11 +1,11 @@
-//! In which order equations are checked: a local flow without declared type has that of its equation, wherever in the
-//! text it stands, and flows may need each other through `pre`.
+//! Order of type inference. A local flow without a declared type gets the type of its equation, wherever that is in the
+//! text, and flows may depend on each other through `pre`.
 //!
-//! An equation that reads a flow of which nothing is known yet is put back until that flow's equation has been looked
-//! at. Where they need each other, what the rest of the equation says is taken as a guess (`t = 0[s] -> pre t + dt` is
-//! a time, whatever `pre t` is); guesses are checked when all types are known. What nothing tells even then is taken
-//! as what its numbers are (`n = pre n + 1` is an integer), so that its real fault is told, and nothing else.
-//! The search keeps its own stack, so that a chain of any length does no harm.
+//! An equation that reads a flow of unknown type is postponed until that flow's equation has been checked. If the
+//! equations depend on each other, the rest of the equation gives a guess (`t = 0[s] -> pre t + dt` is a time, whatever
+//! `pre t` is); guesses are verified when all types are known. Types that are still unknown are guessed from the
+//! numbers in the equation (`n = pre n + 1` is an integer), so that only its actual error is reported. The search keeps
+//! its own stack, so that a long chain of equations cannot overflow the call stack.
 
 use super::body::Body;
 use super::spread;
@@ -15,71 +15,73 @@ use rpi_diag::Span;
 use rpi_syntax::ast;
 use smallvec::SmallVec;
 
-/// An equation that is waiting to be checked.
+/// An equation that waits to be checked.
 pub(super) struct Pending<'a> {
     pub(super) block: BlockId,
     pub(super) goal: Goal<'a>,
     pub(super) value: &'a ast::Expr,
     pub(super) span: Span,
-    /// The flows that it introduces, by target.
+    /// For each target the flow whose type this equation decides; `None` for other targets.
     pub(super) introduces: SmallVec<[Option<FlowId>; 1]>,
+    /// Progress of the check.
     pub(super) state: State,
-    /// The index of the element that is defined, by the names on the left side.
+    /// Index variables of the left side with their values, if the equation defines one array element.
     pub(super) indices: Vec<(ast::Ident, i64)>,
 }
 
-/// A flow that was read before its type was known.
+/// A read of a flow whose type was not known yet.
 #[derive(Clone, Copy)]
 pub(super) struct Missing {
-    /// The equation that defines it.
+    /// Index of the equation that defines the flow.
     pub(super) equation: usize,
     pub(super) span: Span,
-    /// Whether it is read in this very cycle, not through `pre`.
+    /// Whether the flow is read in the current cycle, not through `pre`.
     pub(super) now: bool,
 }
 
-/// Which number tells the type of an operation on it and on something unknown.
+/// Policy for guessing the type of an operation on a number and an operand of unknown type.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) enum Guess {
-    /// None: an integer may be meant as a real, a factor changes the unit.
+    /// No guess: an integer may be meant as a real, and a factor changes the unit.
     Nothing,
-    /// An integer.
+    /// Guess from integers.
     Integers,
-    /// An integer, and a factor without a unit.
+    /// Guess from integers, and from factors without a unit.
     Factors,
 }
 
-/// What an equation defines.
+/// Left side of an equation.
 #[derive(Clone, Copy)]
 pub(super) enum Goal<'a> {
-    /// What stands on its left.
+    /// Targets of an equation.
     Targets(&'a [ast::Target]),
-    /// A variable with a value where it is declared.
+    /// Variable with a value in its declaration.
     Var(FlowId),
 }
 
-/// How far an equation is.
+/// Progress of an equation.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) enum State {
-    /// Not looked at.
+    /// Not checked yet.
     Open,
-    /// Waits for what it reads.
+    /// Waits for the equations of the flows that it reads.
     Busy,
-    /// Looked at, but it reads flows of which nothing was known.
+    /// Checked, but it reads flows of unknown type.
     Guessed,
-    /// It has been reported that nothing tells the type of its flows.
+    /// The types of its flows cannot be inferred, which has been reported.
     Told,
-    /// Its value is checked.
+    /// Checked; this is its value.
     Done(ExprId),
 }
 
 impl Pending<'_> {
+    /// Whether it decides the type of a flow.
     pub(super) fn infers(&self) -> bool {
         self.introduces.iter().any(Option::is_some)
     }
 }
 
-/// Where a table stood, to put it back.
+/// Sizes of the body's tables before a trial check.
 pub(super) struct Mark {
     exprs: usize,
     findings: usize,
@@ -87,7 +89,7 @@ pub(super) struct Mark {
 }
 
 impl<'a> Body<'_, 'a> {
-    /// Finds the types of all flows that have none declared.
+    /// Infers the types of all flows without a declared type.
     pub(super) fn infer(&mut self) {
         self.inferring = true;
         for index in 0..self.pending.len() {
@@ -100,7 +102,7 @@ impl<'a> Body<'_, 'a> {
         self.guess_by(Guess::Integers);
     }
 
-    /// Takes what only operations on numbers tell something of as what these numbers are.
+    /// Guesses the types that only operations on numbers determine, from the types of these numbers.
     pub(super) fn guess_by(&mut self, numbers: Guess) {
         self.inferring = true;
         self.guesses = numbers;
@@ -109,7 +111,7 @@ impl<'a> Body<'_, 'a> {
         self.inferring = false;
     }
 
-    /// The value of an equation, checked now if it has not been.
+    /// Returns the value of an equation; checks it now if it is not checked yet.
     pub(super) fn value_of(&mut self, index: usize) -> ExprId {
         match self.pending[index].state {
             State::Done(value) => value,
@@ -121,7 +123,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// Checks an equation's value where it stands.
+    /// Checks the value of an equation in its block.
     pub(super) fn value_at(&mut self, index: usize) -> ExprId {
         let (block, value) = (self.pending[index].block, self.pending[index].value);
         self.within(block, |body| {
@@ -129,7 +131,7 @@ impl<'a> Body<'_, 'a> {
         })
     }
 
-    /// Called when an undeclared flow is read whose type is not known yet.
+    /// Records the read of an undeclared flow if its type is not known yet.
     pub(super) fn is_missing(&mut self, flow: FlowId, span: Span) {
         let known = !self.unit.flow(flow).ty.has_unknown();
         let Some(equation) = self.defined_by[flow.0 as usize].filter(|_| !known) else {
@@ -165,7 +167,8 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// Checks an equation's value. If it reads what is not known yet nothing of it is kept but a first guess.
+    /// Checks the value of an equation. If it reads flows of unknown type, only a first guess of its type is kept.
+    /// Returns whether the check is complete.
     fn attempt(&mut self, index: usize) -> bool {
         let mark = self.mark();
         self.missing.clear();
@@ -184,7 +187,7 @@ impl<'a> Body<'_, 'a> {
         complete
     }
 
-    /// Takes what is known of a value's type for the flows that it defines.
+    /// Sets the types of the flows that an equation defines, as far as the type of its value is known.
     fn guess(&mut self, index: usize, ty: &Ty) {
         let flows = self.pending[index].introduces.clone();
         let types: SmallVec<[Ty; 1]> = match flows.len() {
@@ -213,7 +216,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// Of a flow of which one state only says that it is absent, `v = none`, another one may tell the type.
+    /// Postpones an equation such as `v = none`, of unknown type, until another state has determined the type of `v`.
     fn ask_other_states(&mut self, index: usize) {
         for flow in self.pending[index].introduces.clone().into_iter().flatten() {
             if let Some(equation) = self.open_in_other_state(flow, index) {
@@ -227,7 +230,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// An equation that is still open and defines in another state what this one does in its own.
+    /// Returns an unchecked equation that defines the flow of this equation in another state.
     fn open_in_other_state(&self, flow: FlowId, index: usize) -> Option<usize> {
         let outer = self.shared_around(flow);
         let versions = outer.filter_map(|outer| self.versions.get(&outer));
@@ -237,7 +240,7 @@ impl<'a> Body<'_, 'a> {
         equations.find(|other| *other != index && self.pending[*other].state == State::Open)
     }
 
-    /// Looks once more at what could only be guessed; true if something became known by it.
+    /// Checks all guessed equations again; returns whether a type became known.
     fn guess_again(&mut self) -> bool {
         let before = self.unknown_flows();
         for index in 0..self.pending.len() {
@@ -256,6 +259,7 @@ impl<'a> Body<'_, 'a> {
             .count()
     }
 
+    /// Returns the current sizes of the body's tables.
     pub(super) fn mark(&self) -> Mark {
         Mark {
             exprs: self.unit.exprs.len(),
@@ -264,8 +268,10 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
+    /// Undoes all additions to the body's tables since `mark`.
     pub(super) fn put_back(&mut self, mark: Mark) {
         self.unit.exprs.truncate(mark.exprs);
+        // `chosen` is sorted by expression, so that the undone ones are at its end.
         let is_kept = |id: &ExprId| (id.0 as usize) < mark.exprs;
         let kept = self.unit.chosen.partition_point(is_kept);
         self.unit.chosen.truncate(kept);

@@ -1,4 +1,4 @@
-//! Spatial values and their parts: read by name, put together (`Pose{position = p; rotation = r}`), replaced
+//! Parts of spatial values: read by name, construction (`Pose{position = p; rotation = r}`) and replacement
 //! (`Pose{p with position = q}`, `(p with .position.z = 0[m])`).
 
 use super::body::Body;
@@ -11,7 +11,7 @@ use rpi_image::Scalar;
 use rpi_syntax::ast::{FieldValue, Ident, StructExpr};
 use std::rc::Rc;
 
-/// Parts of spatial values: whose, name, primitive that takes it apart, which of its out-ports.
+/// Parts of spatial values: type, name, primitive that decomposes the value, index of the out-port.
 pub(super) const SPATIAL_PARTS: &[(Scalar, &str, &str, u32)] = &[
     (Scalar::Vector, "x", "World::VectorToXYZ", 0),
     (Scalar::Vector, "y", "World::VectorToXYZ", 1),
@@ -24,7 +24,7 @@ pub(super) const SPATIAL_PARTS: &[(Scalar, &str, &str, u32)] = &[
     (Scalar::Wrench, "torque", "Rpi::WrenchToParts", 1),
 ];
 
-/// Primitives that put a spatial value together; their in-ports are its parts in the order of [`SPATIAL_PARTS`].
+/// Primitives that compose a spatial value. Their in-ports are the parts in the order of [`SPATIAL_PARTS`].
 const WHOLES: &[(Scalar, &str)] = &[
     (Scalar::Vector, "World::VectorFromXYZ"),
     (Scalar::Pose, "World::FrameFromPosRot"),
@@ -32,14 +32,14 @@ const WHOLES: &[(Scalar, &str)] = &[
     (Scalar::Wrench, "Rpi::WrenchFromParts"),
 ];
 
-/// The names of the parts of a spatial type; a rotation has none.
+/// Returns the names of the parts of a spatial type; a rotation has none.
 fn names_of(scalar: Scalar) -> impl Iterator<Item = &'static str> {
     let rows = SPATIAL_PARTS.iter().filter(move |row| row.0 == scalar);
     rows.map(|row| row.1)
 }
 
 impl<'a> Body<'_, 'a> {
-    /// A part of a spatial value by name.
+    /// Checks a read of a part of a spatial value.
     pub(super) fn spatial_part(&mut self, base: ExprId, field: &Ident, span: Span) -> ExprId {
         let Ty::Spatial(scalar, geometry) = self.ty_of(base).clone() else {
             return self.fault(span);
@@ -53,14 +53,14 @@ impl<'a> Body<'_, 'a> {
         self.add(Kind::Part { base, at: *port }, ty, span)
     }
 
-    /// The spatial type that a name stands for where a value is put together.
+    /// Returns the spatial type of a struct expression, unless a declaration has its name.
     pub(super) fn spatial_named(&self, value: &StructExpr) -> Option<Scalar> {
         let is_it = |row: &&(Scalar, &str)| row.0.name() == value.ty.name.as_str();
         let (scalar, _) = WHOLES.iter().find(is_it)?;
         self.is_undeclared_type(&value.ty.name).then_some(*scalar)
     }
 
-    /// `Pose{position = p; rotation = r}`, `Pose{p with rotation = r}`
+    /// Checks `Pose{position = p; rotation = r}` or `Pose{p with rotation = r}`.
     pub(super) fn spatial_value(
         &mut self,
         scalar: Scalar,
@@ -91,7 +91,7 @@ impl<'a> Body<'_, 'a> {
         self.made_of(&known, &parts, span)
     }
 
-    /// The parts in their order: those that are given, and those of the base; reports what is missing or too much.
+    /// Returns the parts in their order, those that are not given from the base. Reports missing and unknown parts.
     fn parts_given(
         &mut self,
         scalar: Scalar,
@@ -122,8 +122,8 @@ impl<'a> Body<'_, 'a> {
             }
         }
         if !left_out.is_empty() && !self.has_error_since(before) {
-            let message = format!("{} of `{scalar}` left out", listed(left_out));
-            self.report(Finding::new(Code::RPI1010, message).at(span, "not all parts are given"));
+            let message = format!("missing {} of `{scalar}`", listed(left_out));
+            self.report(Finding::new(Code::RPI1010, message).at(span, "all parts are required"));
         }
         (!self.has_error_since(before)).then_some(parts)
     }
@@ -133,8 +133,8 @@ impl<'a> Body<'_, 'a> {
         self.spatial_part(base, &Ident { name, span }, span)
     }
 
-    /// A spatial value of which something is known, made of all its parts. Units and frames of the parts must fit
-    /// together; what they tell is known of the whole.
+    /// Composes a spatial value of partly known type from all its parts. Units and frames of the parts must be
+    /// compatible; they complete the type of the whole.
     fn made_of(&mut self, known: &Ty, parts: &[ExprId], span: Span) -> ExprId {
         let Ty::Spatial(scalar, geometry) = known else {
             return self.fault(span);
@@ -142,6 +142,7 @@ impl<'a> Body<'_, 'a> {
         let mut geometry = (**geometry).clone();
         let mut wanted = Wanted::Here;
         for (part, name) in parts.iter().zip(names_of(*scalar)) {
+            // The first component decides the unit of the others.
             if let (Ty::Real(dim), None) = (self.ty_of(*part), geometry.dim) {
                 geometry.dim = Some(*dim);
             }
@@ -169,7 +170,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// A spatial value with the part of this name replaced; the part must be one.
+    /// Replaces the part `field` of a spatial value, which must have this part.
     pub(super) fn with_part(
         &mut self,
         base: ExprId,
@@ -192,16 +193,16 @@ impl<'a> Body<'_, 'a> {
     }
 }
 
-/// Where a part is named.
+/// Syntax in which a part is named.
 #[derive(Clone, Copy, PartialEq)]
 enum Use {
-    /// `p.x`, `(p with .x = ..)`
+    /// Path: `p.x`, `(p with .x = ..)`.
     Path,
-    /// `Pose{x = ..}`
+    /// Literal: `Pose{x = ..}`.
     Literal,
 }
 
-/// A part that values of a spatial type do not have.
+/// Returns the diagnostic for a part that a spatial type does not have.
 fn no_part(scalar: Scalar, field: &Ident, at: Use) -> Finding {
     let near = rpi_diag::suggest(&field.name, names_of(scalar));
     let unlike = near.is_none();
@@ -212,16 +213,16 @@ fn no_part(scalar: Scalar, field: &Ident, at: Use) -> Finding {
             finding.fix(Fix::sure(format!("write `{meant}`")).replace(field.span, meant))
         }
         (Scalar::Pose, "x" | "y" | "z", Use::Literal) => finding.help(format!(
-            "a coordinate alone is replaced by `(p with .position.{} = ..)`",
+            "replace a single coordinate by `(p with .position.{} = ..)`",
             field.name
         )),
-        (Scalar::Rotation, ..) => finding.help("an orientation has no parts that are read by name"),
-        _ if unlike => finding.help(format!("it has {}", listed(names_of(scalar)))),
+        (Scalar::Rotation, ..) => finding.help("a rotation has no named parts"),
+        _ if unlike => finding.help(format!("its parts are {}", listed(names_of(scalar)))),
         _ => finding,
     }
 }
 
-/// What a part of a spatial value keeps of its geometry.
+/// Returns the type of a part of a spatial value, with the unit and the frames that follow from the whole.
 fn part_type(scalar: Scalar, geometry: &Rc<Geometry>, field: &str) -> Ty {
     let in_frame = geometry.in_frame.clone();
     let vector = |dim| {

@@ -1,6 +1,6 @@
-//! What other languages do by calling a function and this one by another form: the form, in words.
+//! Help texts for functions of other languages that are written in another form here.
 
-/// Names of functions in lower case, and the form that is written here.
+/// Names of functions in lower case, with the help text that shows the form here.
 const FORMS: &[(&[&str], &str)] = &[
     (
         &[
@@ -53,15 +53,15 @@ const FORMS: &[(&[&str], &str)] = &[
     ),
     (
         &["unitdelay", "unit_delay", "memory", "z"],
-        "one cycle late is `0 fby x`, or `0 -> pre x`",
+        "a delay of one cycle is `0 fby x`, or `0 -> pre x`",
     ),
     (
         &["ic", "init", "initial", "initialize"],
-        "the first value stands before `->`: `0 -> pre x`",
+        "the initial value is written before `->`: `0 -> pre x`",
     ),
     (
         &["rand", "random", "randint", "rnd"],
-        "no flow is random: the same inputs give the same outputs",
+        "random numbers are not available: the same inputs always give the same outputs",
     ),
     (
         &[
@@ -81,21 +81,21 @@ const FORMS: &[(&[&str], &str)] = &[
         &["append", "push", "push_back", "concat", "cat", "strcat"],
         "arrays are joined by `|`: `a | [x]`",
     ),
-    (&["isnan", "is_nan"], "whether `x` is no number: `x <> x`"),
+    (&["isnan", "is_nan"], "test for NaN by `x <> x`"),
     (
         &["exit", "abort", "stop", "halt", "quit", "terminate"],
-        "a command ends by a result: `finish done when c;`, `fail broken when c;`",
+        "end a command by a result: `finish done when c;`, `fail broken when c;`",
     ),
     (
         &["error", "raise", "throw", "panic", "signal_error"],
-        "what goes wrong is a flow, or a result of a command: `fail broken when c;`",
+        "signal an error by a flow, or by a result of the command: `fail broken when c;`",
     ),
     (
         &[
             "ptp", "lin", "circ", "movej", "movel", "movec", "movep", "move", "moveto", "moveabsj",
             "move_to", "goto",
         ],
-        "a motion is a fragment: `use motion;`, then `way = Line<<to: p>>(from: arm.pose);` and `arm.tcp = way.pose;`",
+        "use a motion fragment: `use motion;`, then `way = Line<<to: p>>(from: arm.pose);` and `arm.tcp = way.pose;`",
     ),
     (
         &["moving_average", "movmean"],
@@ -103,34 +103,32 @@ const FORMS: &[(&[&str], &str)] = &[
     ),
     (
         &["push_front", "pop", "pop_back", "insert", "remove", "erase"],
-        "an array keeps its size: `(a with [i] = x)` changes an element",
+        "the size of an array is fixed: `(a with [i] = x)` changes an element",
     ),
 ];
 
-/// The form in the place of a function, if there is one; `name` is in lower case.
+/// Returns the help text for a call of this function, if there is one; `name` is in lower case.
 pub(super) fn of_call(name: &str) -> Option<&'static str> {
     let found = FORMS.iter().find(|(names, _)| names.contains(&name));
     found.map(|(_, help)| *help)
 }
 
-/// What a step of a task would be elsewhere, in words; `name` is as it is written.
+/// Returns the help text for a task step that is a function in other languages; `name` is as written in the program.
 pub(super) fn of_step(name: &str) -> Option<&'static str> {
     let name = name.to_lowercase();
     let starts = |words: &[&str]| words.iter().any(|word| name.starts_with(word));
     if starts(&["wait", "sleep", "delay", "pause", "dwell"]) {
         return Some(
-            "a step takes the time of its command: `command Pause let finish over when time >= 2[s]; tel`, then `Pause();`",
+            "a step lasts as long as its command: `command Pause let finish over when time >= 2[s]; tel`, then `Pause();`",
         );
     }
     if starts(&["mov", "ptp", "lin", "circ"]) {
         return Some(
-            "a motion stands in a command: `command MoveTo (arm: Arm; to: Pose) let way = Line<<to: to>>(from: arm.pose); ... tel`",
+            "write a motion in a command: `command MoveTo (arm: Arm; to: Pose) let way = Line<<to: to>>(from: arm.pose); ... tel`",
         );
     }
     if starts(&["print", "log", "msg", "tpwrite"]) {
-        return Some(
-            "a task shows nothing; what a command exports is visible outside: `export x;`",
-        );
+        return Some("a task has no output; export flows of a command instead: `export x;`");
     }
     None
 }

@@ -1,7 +1,7 @@
-//! Where frames are placed: none in itself, and one name at one place, whichever modules declare it.
+//! Placement of frames: no frame is placed in itself, and frames of one name have the same placement in all modules.
 //!
-//! Types know frames by their names. Two declarations of one name that say different things would let poses meet that do
-//! not.
+//! Types refer to frames by name. Two declarations of one name with different placements would make incompatible poses
+//! compatible.
 
 use super::Checker;
 use crate::hash::Map;
@@ -11,7 +11,7 @@ use rpi_syntax::ast::FrameDecl;
 use std::collections::BTreeMap;
 
 impl<'a> Checker<'a> {
-    /// Reports what is wrong with the places of all frames of a program.
+    /// Reports errors in the placement of all frames of a program.
     pub(super) fn frames_are_placed(&mut self) {
         let ids = (0..).map(DeclId).take(self.program.decls.len());
         let frames: Vec<DeclId> = ids.filter(|id| self.frame_decl(*id).is_some()).collect();
@@ -26,7 +26,7 @@ impl<'a> Checker<'a> {
         }
     }
 
-    /// The declared frame that a frame is placed in.
+    /// Returns the declared frame in which a frame is placed.
     fn placed_in(&self, id: DeclId) -> Option<DeclId> {
         let parent = self.frame_decl(id)?.parent.as_ref()?;
         let [name] = &parent.parts[..] else {
@@ -40,7 +40,7 @@ impl<'a> Checker<'a> {
     }
 
     fn frames_in_circles(&mut self, frames: &[DeclId]) {
-        // The frame from which each was come to.
+        // For each visited frame the frame at which that search started.
         let mut seen: Map<DeclId, DeclId> = Map::default();
         for start in frames {
             let (mut way, mut next) = (Vec::new(), Some(*start));
@@ -75,14 +75,14 @@ impl<'a> Checker<'a> {
                 _ => finding.also(span, text),
             };
         }
-        finding.help("one of them is placed in none of the others")
+        finding.help("break the cycle: place one of these frames elsewhere")
     }
 
     fn frames_in_two_places(&mut self, frames: &[DeclId]) {
         let mut first: BTreeMap<&str, DeclId> = BTreeMap::new();
         for id in frames {
             let decl = self.program.decl(*id);
-            // One without a place says nothing against one that has a place.
+            // A declaration without a placement does not contradict one with a placement.
             if self
                 .frame_decl(*id)
                 .is_none_or(|frame| frame.parent.is_none())
@@ -91,6 +91,7 @@ impl<'a> Checker<'a> {
             }
             let known = *first.entry(decl.name.as_str()).or_insert(*id);
             let before = self.program.decl(known);
+            // In one module this is a duplicate name, which is reported elsewhere.
             if before.module == decl.module {
                 continue;
             }
@@ -98,14 +99,14 @@ impl<'a> Checker<'a> {
                 let message = format!("the frame `{}` is in two places", decl.name);
                 let finding = Finding::new(Code::RPI1002, message)
                     .at(before.span, format!("here it is {one}"))
-                    .also(decl.span, format!("in a module that is used it is {other}"))
-                    .help("poses meet by the names of frames: give one of them another name");
+                    .also(decl.span, format!("in a used module it is {other}"))
+                    .help("frames are identified by name: rename one of them");
                 self.findings.push(finding);
             }
         }
     }
 
-    /// Where two frames of one name are, if that is not the same.
+    /// Returns the placements of two frames of one name if they differ.
     fn other_place(&mut self, frames: [DeclId; 2]) -> Option<[String; 2]> {
         let parents = frames.map(|id| {
             let parent = self.frame_decl(id).and_then(|frame| frame.parent.as_ref());
@@ -120,7 +121,7 @@ impl<'a> Checker<'a> {
         let poses = frames.map(|id| self.constant(id).map(|constant| constant.leaves));
         match poses {
             [Some(a), Some(b)] if a != b => {
-                Some(["at one pose", "at another one"].map(str::to_owned))
+                Some(["at one pose", "at another pose"].map(str::to_owned))
             }
             _ => None,
         }

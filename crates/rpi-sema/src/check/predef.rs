@@ -1,4 +1,4 @@
-//! The names that Lustre V6 gives to operators: `Lustre::plus` is `+` of whatever has one, `Lustre::iplus` that of integers.
+//! Operators by their Lustre V6 names: `Lustre::plus` is the overloaded `+`, `Lustre::iplus` is `+` of integers.
 
 use super::callable::Callable;
 use crate::ty::Ty;
@@ -6,16 +6,16 @@ use crate::units::Dim;
 use rpi_syntax::ast::StaticOp;
 use rpi_syntax::ops::{BinaryOp, UnaryOp};
 
-/// An operator by name.
+/// An operator with its Lustre V6 name.
 #[derive(Debug)]
 pub(super) struct Predef {
     name: &'static str,
     pub(super) op: StaticOp,
-    /// What it takes, and what it gives, if it is for one type alone.
+    /// Operand type and result type; `None` for an overloaded operator.
     types: Option<(Of, Of)>,
 }
 
-/// The types that operators are for.
+/// Operand or result type of an operator.
 #[derive(Clone, Copy, Debug)]
 enum Of {
     Bool,
@@ -90,7 +90,7 @@ const PREDEFS: &[Predef] = &[
     typed("int2real", Unary(UnaryOp::ToReal), Int, Real),
 ];
 
-/// The operator of that name. The conversions need no `Lustre::`.
+/// Returns the operator of a name. The conversions `int2real` and `real2int` need no `Lustre::` prefix.
 pub(super) fn operator(name: &str) -> Option<Callable> {
     let plain = name.strip_prefix("Lustre::");
     let name = plain.or_else(|| matches!(name, "int2real" | "real2int").then_some(name))?;
@@ -103,7 +103,7 @@ impl Predef {
         format!("Lustre::{}", self.name)
     }
 
-    /// The types of its operands and of its result, if it is for one type alone.
+    /// Returns the operand types and the result type; `None` for an overloaded operator.
     pub(super) fn signature(&self) -> Option<(Vec<Ty>, Ty)> {
         let (takes, gives) = self.types?;
         let count = match self.op {

@@ -1,4 +1,4 @@
-//! Calls of registered primitives by their registered names, ports and parameters.
+//! Calls of registered primitives: arguments are matched to ports and parameters by position or name.
 
 use super::args::Given;
 use super::body::Body;
@@ -12,29 +12,32 @@ use rpi_prims::PrimId;
 use rpi_syntax::ast::{self, Ident, PrimitiveDecl};
 use std::rc::Rc;
 
-/// What a primitive's ports and parameters are given, while a call is matched.
+/// Arguments of a primitive call, by port and parameter.
 struct Slots {
     inputs: Vec<Option<ExprId>>,
     params: Vec<Option<ExprId>>,
-    /// Reals that together stand in for an in-port: port, place among them, value.
+    /// Reals that together replace an in-port: index of the port, index among its reals, value.
     pieces: Vec<(usize, usize, ExprId)>,
 }
 
-/// What a name in a call of a primitive stands for.
+/// Port or parameter that an argument of a primitive call is for.
 enum Slot {
+    /// In-port of this index.
     Input(usize),
+    /// Parameter of this index.
     Param(usize),
+    /// Real that replaces a part of an in-port: index of the port, index among its reals.
     Piece(usize, usize),
 }
 
 impl<'a> Body<'_, 'a> {
-    /// A call of a primitive by its registered name.
+    /// Checks a call of a primitive by its registered name.
     pub(super) fn registered(&mut self, prim: PrimId, call: &'a ast::Call, span: Span) -> ExprId {
         let mut given = self.given(&call.args);
         for arg in &call.callee.statics {
             let ast::StaticValue::Expr(expr) = &arg.value else {
                 let finding = Finding::new(Code::RPI1010, "a value is expected here")
-                    .at(arg.span, "this is none");
+                    .at(arg.span, "not a value");
                 self.report(finding);
                 continue;
             };
@@ -48,7 +51,7 @@ impl<'a> Body<'_, 'a> {
         self.registered_plain(prim, &given, span)
     }
 
-    /// A call of a primitive with checked arguments.
+    /// Checks a call of a primitive with checked arguments.
     pub(super) fn registered_plain(
         &mut self,
         prim: PrimId,
@@ -63,7 +66,7 @@ impl<'a> Body<'_, 'a> {
         self.finish_prim(prim, slots, span)
     }
 
-    /// A call of a primitive whose in-ports are given by place.
+    /// Checks a call of a primitive whose in-ports are given by position.
     pub(super) fn prim_of(&mut self, name: &str, inputs: &[ExprId], span: Span) -> ExprId {
         let Some(prim) = PrimId::of(name) else {
             return self.fault(span);
@@ -72,7 +75,7 @@ impl<'a> Body<'_, 'a> {
         self.registered_plain(prim, &given, span)
     }
 
-    /// A primitive whose operands are known to fit, with a result of known type.
+    /// Adds a primitive call whose operands are known to fit, with a known result type.
     pub(super) fn prim_typed(
         &mut self,
         prim: PrimId,
@@ -92,7 +95,7 @@ impl<'a> Body<'_, 'a> {
         self.add(Kind::Prim(Box::new(call)), ty, span)
     }
 
-    /// A primitive without in-ports.
+    /// Adds a call of a primitive without in-ports.
     pub(super) fn nullary(&mut self, prim: PrimId, ty: Ty, span: Span) -> ExprId {
         self.prim_typed(prim, &[], ty, span)
     }
@@ -121,6 +124,7 @@ impl<'a> Body<'_, 'a> {
                 }
             }
         }
+        // `&`, not `&&`: missing arguments are reported after other errors, too.
         (sound & self.needed(desc, &slots, span)).then_some(slots)
     }
 
@@ -134,7 +138,7 @@ impl<'a> Body<'_, 'a> {
         if arg.is_static && !self.is_fixed(arg.value) {
             let finding = Finding::new(
                 Code::RPI2008,
-                "a parameter is fixed when the command is loaded",
+                "a parameter must be known when the command is loaded",
             )
             .at(
                 self.span_of(arg.value),
@@ -159,9 +163,9 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// A port takes a value of its machine type; units and frames are not its business.
+    /// Whether a value has the machine type of a port; reports a mismatch. Units and frames are not compared.
     fn fits_port(&mut self, value: ExprId, port: PortType, name: &str) -> bool {
-        // A port takes seconds.
+        // Ports take times in seconds.
         self.in_seconds(value);
         let ty = self.ty_of(value).clone();
         let fits = ty.is_unknown() || port_accepts(port, &ty);
@@ -196,12 +200,12 @@ impl<'a> Body<'_, 'a> {
             None => Finding::new(
                 Code::RPI1010,
                 format!(
-                    "`{}` has {}",
+                    "too many arguments: `{}` has {}",
                     desc.name,
                     counted(desc.inputs.len(), "in-port")
                 ),
             )
-            .at(self.span_of(arg.value), "one too many"),
+            .at(self.span_of(arg.value), "unexpected argument"),
         };
         self.report(finding);
     }
@@ -224,9 +228,9 @@ impl<'a> Body<'_, 'a> {
         }
         let finding = Finding::new(
             Code::RPI1010,
-            format!("{} of `{}` not given", listed(open), desc.name),
+            format!("missing {} of `{}`", listed(open), desc.name),
         )
-        .at(span, "it must be connected");
+        .at(span, "required argument missing");
         self.report(finding);
         false
     }
@@ -250,7 +254,7 @@ impl<'a> Body<'_, 'a> {
         self.add(Kind::Prim(Box::new(call)), ty, span)
     }
 
-    /// Reals that stand in for a composed in-port become one constant.
+    /// Composes the reals that replace an in-port into one constant.
     fn put_together(
         &mut self,
         desc: &'static PrimDesc,
@@ -280,7 +284,7 @@ impl<'a> Body<'_, 'a> {
         Some(())
     }
 
-    /// The type of what a primitive gives: of its out-port, or of all of them by name.
+    /// Returns the type of a primitive's only out-port, or a tuple of all out-ports by name.
     fn prim_type(&mut self, desc: &'static PrimDesc, slots: &Slots, span: Span) -> Ty {
         let mut members = Vec::with_capacity(desc.outputs.len());
         for (k, port) in desc.outputs.iter().enumerate() {
@@ -325,9 +329,9 @@ impl<'a> Body<'_, 'a> {
             None => {
                 let finding = Finding::new(
                     Code::RPI2009,
-                    format!("the sizes of `{}` do not fit", desc.name),
+                    format!("size mismatch in the arguments of `{}`", desc.name),
                 )
-                .at(span, "no size of its result follows from these arguments");
+                .at(span, "cannot infer the size of its result");
                 self.report(finding);
                 Ty::Unknown
             }
@@ -345,7 +349,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// The body of a declared primitive: the registered one, between typed ports.
+    /// Checks the body of a declared primitive: the registered primitive between typed ports.
     pub(super) fn check_primitive(&mut self, decl: &'a PrimitiveDecl) {
         if let Some(budget) = &decl.budget {
             self.current().budget_ns = self.nanoseconds(budget);
@@ -354,9 +358,9 @@ impl<'a> Body<'_, 'a> {
         let Some(prim) = PrimId::of(&name.name) else {
             let finding = Finding::new(
                 Code::RPI1001,
-                format!("no primitive `{}` is registered", name.name),
+                format!("undefined primitive `{}`", name.name),
             )
-            .at(name.span, "not in the registry");
+            .at(name.span, "not in the registry of primitives");
             self.report(finding);
             return;
         };
@@ -420,7 +424,7 @@ impl<'a> Body<'_, 'a> {
     }
 }
 
-/// What a name in a call of a primitive stands for: an in-port, the parameter that stands in for one, a parameter.
+/// Returns the port or parameter that a name refers to: an in-port, the parameter that replaces one, or a parameter.
 fn slot(desc: &PrimDesc, name: &str) -> Option<Slot> {
     let input = desc.input(name).or_else(|| desc.fallback(name));
     if let Some(k) = input {
@@ -441,6 +445,7 @@ fn slot(desc: &PrimDesc, name: &str) -> Option<Slot> {
         })
 }
 
+/// Returns the diagnostic for a name that is neither a port nor a parameter of a primitive.
 fn no_name(desc: &PrimDesc, name: &Ident) -> Finding {
     let stand_ins = desc.inputs.iter().filter_map(|port| match port.need {
         Need::Param(name, _) => Some(name),
@@ -455,7 +460,7 @@ fn no_name(desc: &PrimDesc, name: &Ident) -> Finding {
         .collect();
     let near = rpi_diag::suggest(&name.name, names.iter().copied());
     super::report::no_member(&format!("`{}`", desc.name), &name.name, name.span, near)
-        .help(format!("it has {}", listed(names)))
+        .help(format!("its ports and parameters are {}", listed(names)))
 }
 
 fn port_accepts(port: PortType, ty: &Ty) -> bool {
@@ -484,7 +489,7 @@ fn port_text(port: PortType) -> String {
     }
 }
 
-/// The type of a machine value of which nothing more is known.
+/// Returns the type of a machine value without unit and frames.
 pub(super) fn scalar_ty(scalar: Scalar) -> Ty {
     match scalar {
         Scalar::Bool => Ty::Bool,
@@ -503,7 +508,7 @@ fn flow_type(ty: Type) -> Ty {
     }
 }
 
-/// The machine type of a value that a port of a primitive takes.
+/// Returns the machine type of a value that a port of a primitive can take; `None` for other types.
 pub(crate) fn machine_type(ty: &Ty) -> Option<Type> {
     if let Some(scalar) = ty.scalar() {
         return Some(Type::One(scalar));
@@ -517,7 +522,7 @@ pub(crate) fn machine_type(ty: &Ty) -> Option<Type> {
     }
 }
 
-/// A parameter that is not given.
+/// Returns the default value of a parameter; `None` if it has none.
 pub(crate) fn param_default(param: &rpi_image::Param) -> Option<Value> {
     match param.ty {
         ParamType::One(scalar) => param.default.value(Type::One(scalar)),
@@ -532,7 +537,7 @@ pub(crate) fn param_default(param: &rpi_image::Param) -> Option<Value> {
     }
 }
 
-/// Leaves side by side as one array value.
+/// Packs leaves into one array value.
 pub(crate) fn packed(scalar: Scalar, leaves: &[Leaf]) -> Value {
     let n = u32::try_from(leaves.len()).unwrap_or(u32::MAX);
     Value::Cells {

@@ -1,4 +1,4 @@
-//! What Kind 2 proves and nobody runs: quantifiers, conditions of types, sets; and types said where a value stands.
+//! Constructs of Kind 2 that are for provers only (quantifiers, conditions of types, sets), and type ascriptions.
 
 use super::body::Body;
 use super::bound::Means;
@@ -14,7 +14,7 @@ use rpi_syntax::ast::{
 use std::rc::Rc;
 
 impl<'a> Body<'_, 'a> {
-    /// `forall (x: int) c`: its value is left open.
+    /// Checks a quantifier `forall (x: int) c`. Its value is never computed.
     pub(super) fn quantified(&mut self, of: &'a Quantified, span: Span) -> ExprId {
         let before = self.bound.len();
         for var in &of.vars {
@@ -33,32 +33,32 @@ impl<'a> Body<'_, 'a> {
             Some(claim) => claim.0 = claim.0.or(Some(span)),
             None => self.foreign(
                 "a quantifier",
-                "it speaks of more values than can be looked at",
+                "it ranges over more values than can be tested",
                 span,
             ),
         }
         self.add(Kind::Outside, Ty::Bool, span)
     }
 
-    /// A quantifier does not speak of arrays, sets and maps.
+    /// Reports a quantifier over arrays, sets or maps.
     fn countable(&mut self, ty: &Ty, written: &ast::Type) {
         let has_elements = matches!(ty, Ty::Array(..)) || is_foreign(ty, &["set<", "map<"]);
         if has_elements {
-            let message = format!("a quantifier can not speak of all `{ty}`");
+            let message = format!("cannot quantify over `{ty}`");
             let finding = Finding::new(Code::RPI2014, message)
-                .at(written.span, "a type of many values")
+                .at(written.span, "not a quantifiable type")
                 .help("quantify over an index: `forall (i: int) a[i] > 0`");
             self.report(finding);
         }
     }
 
-    /// A construct of Kind 2 that is read and not run.
+    /// Reports a construct of Kind 2 that is checked but not executed.
     pub(super) fn foreign(&mut self, what: &str, why: &str, span: Span) {
-        let message = format!("{what} can not be run here");
+        let message = format!("{what} cannot be executed");
         self.report(Finding::new(Code::RPI0017, message).at(span, why));
     }
 
-    /// `subtype { x: T | c }`: a value of `T`; the condition is for provers.
+    /// Checks `subtype { x: T | c }` and returns `T`; the condition is for provers.
     pub(super) fn refined(&mut self, refined: &'a Refined) -> Ty {
         let base = self.ty(&refined.base);
         let in_quantifier = self.fixed_before.is_some() || self.quantifies();
@@ -73,36 +73,34 @@ impl<'a> Body<'_, 'a> {
         base
     }
 
-    /// Whether the variables of a quantifier are being declared or looked at.
+    /// Whether a quantified variable is in scope.
     pub(super) fn quantifies(&self) -> bool {
         self.bound.iter().any(super::bound::Bound::is_quantified)
     }
 
-    /// `(x: T)`
+    /// Checks a type ascription `(x: T)`.
     pub(super) fn ascribed(&mut self, of: &'a Ascribed) -> ExprId {
         let value = self.expr(&of.value);
         let ty = self.ty(&of.ty);
         self.expect(
             value,
             &ty,
-            &Wanted::By(of.ty.span, "its type is said here".into()),
+            &Wanted::By(of.ty.span, "expected because of this type".into()),
         );
         if self.is_temporal(&of.ty) && self.reads_bound(&of.value) {
-            let finding = Finding::new(Code::RPI2014, "this has no earlier cycle")
-                .at(
-                    of.value.span,
-                    "it depends on a variable that stands for many values",
-                )
-                .also(
-                    of.ty.span,
-                    "the condition of the type is about earlier cycles",
-                );
+            let finding =
+                Finding::new(Code::RPI2014, "a quantified variable has no earlier cycles")
+                    .at(of.value.span, "this depends on a quantified variable")
+                    .also(
+                        of.ty.span,
+                        "the condition of the type refers to earlier cycles",
+                    );
             self.report(finding);
         }
         value
     }
 
-    /// Whether the condition of a type is about earlier cycles.
+    /// Whether the condition of a type refers to earlier cycles.
     fn is_temporal(&self, ty: &ast::Type) -> bool {
         match &ty.kind {
             TypeKind::Named(named) => {
@@ -117,7 +115,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// A call inside a quantifier of what can not be looked into.
+    /// Reports a call inside a quantifier if the callee has state or no known body.
     pub(super) fn is_looked_into(
         &mut self,
         call: &'a Call,
@@ -134,20 +132,17 @@ impl<'a> Body<'_, 'a> {
         let reads = call.args.iter().any(|arg| self.reads_bound(&arg.value));
         if opaque && (reads || self.guarded) {
             let message = format!(
-                "`{}` is called for many values at once",
+                "cannot call `{}` for a quantified variable",
                 call.callee.name.name
             );
             let finding = Finding::new(Code::RPI2014, message)
-                .at(
-                    span,
-                    "whether and with what depends on a variable of a quantifier",
-                )
-                .help("only functions whose body is known can be called so");
+                .at(span, "the call depends on a quantified variable")
+                .help("only functions with a known body can be called here");
             self.report(finding);
         }
     }
 
-    /// `{}@<T>`
+    /// Checks the empty set `{}@<T>`.
     pub(super) fn empty_set(&mut self, types: &'a [StaticArg], span: Span) -> ExprId {
         let known: Vec<Ty> = types.iter().filter_map(|ty| self.static_type(ty)).collect();
         let ty = match &known[..] {
@@ -158,44 +153,44 @@ impl<'a> Body<'_, 'a> {
         self.add(Kind::Outside, ty, span)
     }
 
-    /// `x in s`
+    /// Checks the membership `x in s`.
     pub(super) fn is_in(&mut self, lhs: &'a Expr, rhs: &'a Expr, span: Span) -> ExprId {
         let (value, set) = (self.expr(lhs), self.expr(rhs));
         let (found, of) = (self.ty_of(value).clone(), self.ty_of(set).clone());
         if !of.is_unknown() && !is_foreign(&of, &["set<", "map<"]) {
             let finding = Finding::new(
                 Code::RPI2006,
-                format!("`in` can not take `{found}` and `{of}`"),
+                format!("`in` cannot take `{found}` and `{of}`"),
             )
             .at(rhs.span, format!("this is `{of}`"))
             .help(
-                "compare with each: `x = 1 or x = 2`; a range has two bounds: `x >= 1 and x <= 5`",
+                "compare with each value: `x = 1 or x = 2`; a range has two bounds: `x >= 1 and x <= 5`",
             );
             self.report(finding);
         }
         self.add(Kind::Outside, Ty::Bool, span)
     }
 
-    /// A value that the program leaves open belongs to no constant.
+    /// Reports a nondeterministic value in a constant.
     pub(super) fn open_in_constant(&mut self, span: Span) {
         if self.unit.kind == UnitKind::Constant {
             let finding = Finding::new(Code::RPI2008, "a constant is needed here")
-                .at(span, "this may have another value in each cycle");
+                .at(span, "this may change from cycle to cycle");
             self.report(finding);
         }
     }
 }
 
-/// Why sets and maps are not run.
+/// Reason why sets and maps are not executed.
 pub(super) const SETS: &str =
-    "its size has no bound, and a control core takes no memory while it runs";
+    "its size is unbounded, and a control core does not allocate memory at run time";
 
-/// The type of sets.
+/// Returns the type of the sets of an element type.
 pub(super) fn set_of(element: &Ty) -> Ty {
     foreign_ty(format!("set<{element}>"))
 }
 
-/// A type of Kind 2 of which only the name is known.
+/// Returns a type of Kind 2 of which only the name is known.
 pub(super) fn foreign_ty(name: String) -> Ty {
     Ty::Struct(Rc::new(StructTy {
         name: name.into(),

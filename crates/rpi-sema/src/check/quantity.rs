@@ -1,11 +1,11 @@
-//! Quantities in words: what is wrong with a unit or a dimension, and what would mend it.
+//! Diagnostics about units and dimensions, with suggestions.
 
 use crate::ty::Ty;
 use crate::units::{Base, Dim, Ratio, UnitFault};
 use rpi_diag::{Code, Finding, Fix, Span};
 use rpi_syntax::ops::UnaryOp;
 
-/// A value in a message: what it measures, where it stands, and whether it is a number as it is written.
+/// A value in a diagnostic: its dimension, its location, and whether it is a number literal.
 #[derive(Clone, Copy)]
 pub(super) struct Measured {
     pub(super) dim: Dim,
@@ -13,7 +13,7 @@ pub(super) struct Measured {
     pub(super) is_number: bool,
 }
 
-/// `a length in m`, `a quantity in m^2/s`, `a plain number`
+/// Returns the description of a dimension: `a length in m`, `a quantity in m^2/s`, `a plain number`.
 pub(super) fn described(dim: Dim) -> String {
     match (dim == Dim::ONE, dim.quantity()) {
         (true, _) => "a plain number".to_owned(),
@@ -22,7 +22,7 @@ pub(super) fn described(dim: Dim) -> String {
     }
 }
 
-/// The same in a label.
+/// Returns the description of a dimension for a label.
 fn labelled(dim: Dim) -> String {
     match dim == Dim::ONE {
         true => "this has no unit".to_owned(),
@@ -30,7 +30,7 @@ fn labelled(dim: Dim) -> String {
     }
 }
 
-/// A value of another dimension than its place wants.
+/// Returns the diagnostic for a value whose dimension is not the expected one.
 pub(super) fn misplaced(expected: Dim, found: Measured) -> Finding {
     let message = format!(
         "expected {}, found {}",
@@ -41,10 +41,10 @@ pub(super) fn misplaced(expected: Dim, found: Measured) -> Finding {
     mended(finding, expected, found)
 }
 
-/// Two values that an operator can not bring together.
+/// Returns the diagnostic for two operands with incompatible dimensions.
 pub(super) fn apart(op: &str, left: Measured, right: Measured) -> Finding {
     let message = format!(
-        "`{op}` can not take {} and {}",
+        "`{op}` cannot take {} and {}",
         described(left.dim),
         described(right.dim)
     );
@@ -57,7 +57,7 @@ pub(super) fn apart(op: &str, left: Measured, right: Measured) -> Finding {
     }
 }
 
-/// A number without unit where an angle is wanted.
+/// Returns the diagnostic for a number without a unit where an angle is expected.
 pub(super) fn plain_angle(wanted: Dim, found: Measured) -> Finding {
     let message = format!(
         "expected {}, found {}",
@@ -73,31 +73,29 @@ pub(super) fn plain_angle(wanted: Dim, found: Measured) -> Finding {
         ),
         (false, Some(Dim::ANGLE)) if found.dim != Dim::ONE => finding
             .at(found.span, "revolutions, degrees or radians?")
-            .help("multiplied by an angle it fits: `1[rev]`, `1[rad]`"),
+            .help("multiply by an angle: `1[rev]`, `1[rad]`"),
         _ => finding.at(found.span, "degrees or radians?").help(format!(
-            "give it its unit where it is declared, or multiply by `1[{wanted}]`"
+            "declare it with its unit, or multiply by `1[{wanted}]`"
         )),
     }
 }
 
-/// Adds what would make a value fit.
+/// Adds a suggestion that gives a value the expected dimension.
 fn mended(finding: Finding, wanted: Dim, found: Measured) -> Finding {
     if found.is_number && found.dim == Dim::ONE {
         return with_units(finding, wanted, found.span);
     }
     if wanted.is_plain() {
         return finding.help(format!(
-            "divided by a quantity in `{}` it is a plain number",
+            "divide by a quantity in `{}` to get a plain number",
             found.dim
         ));
     }
     if found.dim.is_plain() {
-        return finding.help(format!(
-            "multiplied by a quantity in `{wanted}` it would fit"
-        ));
+        return finding.help(format!("multiply by a quantity in `{wanted}`"));
     }
     if found.dim.power(Ratio::HALF) == Some(wanted) {
-        return finding.help("its square root has the dimension: `sqrt(x)`");
+        return finding.help("its square root has the expected dimension: `sqrt(x)`");
     }
     if is_charge_for_temperature(wanted, found.dim) {
         return finding.help(
@@ -105,16 +103,16 @@ fn mended(finding: Finding, wanted: Dim, found: Measured) -> Finding {
         );
     }
     match wanted.over(found.dim) {
-        Some(factor) => finding.help(format!("{} it would fit", by(factor))),
+        Some(factor) => finding.help(format!("{} to get the expected dimension", by(factor))),
         None => finding,
     }
 }
 
-/// "divided by a quantity in `s`", "multiplied by ..."
+/// Returns the operation with a factor: "divide by a time in `s`", "multiply by ...".
 fn by(factor: Dim) -> String {
     let (word, dim) = match factor.is_inverse() {
-        true => ("divided", factor.inverse()),
-        false => ("multiplied", factor),
+        true => ("divide", factor.inverse()),
+        false => ("multiply", factor),
     };
     format!("{word} by {}", described(dim))
 }
@@ -124,7 +122,7 @@ fn is_charge_for_temperature(wanted: Dim, found: Dim) -> bool {
     wanted == Dim::base(Base::Temperature) && Some(found) == charge
 }
 
-/// The units that a number of a dimension is often given in, the coherent one first.
+/// Units that are common for a dimension, by its coherent unit.
 const COMMON: &[(&str, &[&str])] = &[
     ("m", &["m", "mm"]),
     ("m/s", &["m/s", "mm/s"]),
@@ -135,27 +133,27 @@ const COMMON: &[(&str, &[&str])] = &[
     ("rad/s^2", &["deg/s^2", "rad/s^2"]),
 ];
 
-/// Adds the units that may have been meant, each as a fix.
+/// Adds a fix for each unit that may have been meant.
 pub(super) fn with_units(finding: Finding, wanted: Dim, number: Span) -> Finding {
     let coherent = wanted.to_string();
     let row = COMMON.iter().find(|row| row.0 == coherent);
     let units = row.map_or(vec![&*coherent], |row| row.1.to_vec());
     let fixes = units.into_iter().map(|unit| {
-        Fix::maybe(format!("take it in `{unit}`")).insert_after(number, format!("[{unit}]"))
+        Fix::maybe(format!("use the unit `{unit}`")).insert_after(number, format!("[{unit}]"))
     });
-    let mut finding = finding.help("a number says its unit: `250[mm]`");
+    let mut finding = finding.help("write the unit after the number: `250[mm]`");
     finding.fixes.extend(fixes);
     finding
 }
 
-/// What is wrong with a unit, in words.
+/// Returns the diagnostic for an invalid unit.
 pub(super) fn unit_fault(fault: &UnitFault) -> Finding {
     match fault {
         UnitFault::Unknown { name, span, near } => {
-            let finding = Finding::new(Code::RPI2003, format!("there is no unit `{name}`"))
+            let finding = Finding::new(Code::RPI2003, format!("unknown unit `{name}`"))
                 .at(*span, "not a unit");
             match is_celsius(name) {
-                // The one would be taken for the other, 273.15 apart.
+                // Kelvin is not suggested: the value would be wrong by 273.15.
                 true => {
                     finding.help("temperatures are absolute: 20 degrees Celsius are `293.15[K]`")
                 }
@@ -163,8 +161,7 @@ pub(super) fn unit_fault(fault: &UnitFault) -> Finding {
             }
         }
         UnitFault::Exponent { span } => {
-            Finding::new(Code::RPI2003, "a unit with an exponent out of range")
-                .at(*span, "too large")
+            Finding::new(Code::RPI2003, "exponent of a unit out of range").at(*span, "too large")
         }
     }
 }
@@ -176,12 +173,12 @@ fn is_celsius(name: &str) -> bool {
         .any(|one| one.eq_ignore_ascii_case(name))
 }
 
-/// Adds what may mend an operand that a unary operator does not take.
+/// Adds a suggestion for an operand that a unary operator does not accept.
 pub(super) fn operand_apart(finding: Finding, op: UnaryOp, ty: &Ty) -> Finding {
     match ty {
         Ty::Int | Ty::Real(_) => finding.help("a condition is a comparison: `x = 0`, `x <= 0.0`"),
         Ty::Array(_, n) => finding.help(format!(
-            "element by element it is `map<<{}, {n}>>(a)`",
+            "apply it to each element: `map<<{}, {n}>>(a)`",
             op.spelling()
         )),
         _ => finding,

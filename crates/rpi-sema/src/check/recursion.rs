@@ -1,18 +1,19 @@
-//! Calls that come back to where they began: every call is written out where it stands, and these never end.
+//! Infinite recursion: calls are inlined, so that a dependency cycle of calls never ends.
 //!
-//! A recursion over static parameters makes units of its own, one for each choice, and so no ring of units.
+//! A recursion over static parameters has a unit for each choice of static arguments, and so no dependency cycle of
+//! units.
 
 use crate::typed::{Kind, Unit, UnitId, UnitKind};
 use rpi_diag::{Code, Finding, Span};
 
-/// A call of one unit in another, or a step of a task.
+/// A call from one unit to another, or a step of a task.
 #[derive(Clone, Copy)]
 struct Step {
     to: UnitId,
     span: Span,
 }
 
-/// One finding for each unit that calls itself, and for each ring of units that call one another.
+/// Returns a diagnostic for each unit that calls itself, and for each dependency cycle of calls.
 pub(super) fn check(units: &[Unit]) -> Vec<Finding> {
     let calls: Vec<Vec<Step>> = units.iter().map(steps).collect();
     let mut findings = Vec::new();
@@ -47,8 +48,8 @@ fn steps(unit: &Unit) -> Vec<Step> {
     calls.chain(run).collect()
 }
 
-/// The units that are left when those are taken away, again and again, that call none of the others: all rings, and
-/// what leads to one.
+/// Returns the units on dependency cycles of calls and those that lead to one: units without calls to remaining units
+/// are removed repeatedly, as in Kahn's topological sort.
 fn leftovers(calls: &[Vec<Step>]) -> Vec<usize> {
     let mut open: Vec<usize> = calls.iter().map(Vec::len).collect();
     let mut callers: Vec<Vec<usize>> = vec![Vec::new(); calls.len()];
@@ -69,7 +70,7 @@ fn leftovers(calls: &[Vec<Step>]) -> Vec<usize> {
     (0..calls.len()).filter(|unit| open[*unit] > 0).collect()
 }
 
-/// The shortest way from a unit back to itself; empty if there is none.
+/// Returns the shortest path of calls from a unit back to itself, by breadth-first search; empty if there is none.
 fn ring_through(calls: &[Vec<Step>], start: usize) -> Vec<Step> {
     let mut reached: Vec<Option<(usize, Step)>> = vec![None; calls.len()];
     let mut queue = std::collections::VecDeque::from([start]);
@@ -98,11 +99,11 @@ fn ring_through(calls: &[Vec<Step>], start: usize) -> Vec<Step> {
     ring
 }
 
-const CALLS: &str = "each call is written out where it stands; what goes on from cycle to cycle is a `pre`, what goes on over sizes a recursion over static parameters that ends by `with`";
+const CALLS: &str = "calls are inlined: use `pre` to iterate over cycles, or a recursion over static parameters that ends by `with` to iterate over sizes";
 
-const TASKS: &str = "each task is written out where a step runs it; `repeat let ... tel` repeats steps without end, `on r then step` goes back to a step";
+const TASKS: &str = "tasks are inlined: use `repeat let ... tel` to repeat steps without end, or `on r then step` to go back to a step";
 
-/// Calls that are shown at most.
+/// Maximum number of calls shown in a diagnostic.
 const SHOWN: usize = 20;
 
 fn finding(units: &[Unit], start: usize, ring: &[Step]) -> Finding {

@@ -1,4 +1,4 @@
-//! Arguments in another order than that of the ports: one fault, not one for each of them.
+//! Arguments in another order than the ports: reported as one error, not as one for each argument.
 
 use super::args::signature;
 use super::body::Body;
@@ -8,11 +8,11 @@ use crate::ty::{Subst, fit};
 use crate::typed::{ExprId, Kind};
 use rpi_diag::{Code, Finding, Fix};
 
-/// So many arguments are tried in other orders.
+/// Maximum number of mismatched arguments for which other orders are tried.
 const MOST: usize = 5;
 
 impl Body<'_, '_> {
-    /// Whether arguments fit their ports only in another order, which is then reported.
+    /// Whether arguments match their ports only in another order; reports it if so.
     pub(super) fn reordered(
         &mut self,
         header: &Header,
@@ -39,7 +39,7 @@ impl Body<'_, '_> {
         true
     }
 
-    /// For each of these ports the argument of another that fits it.
+    /// Returns for each of these ports the argument of another port that matches it.
     fn other_order(
         &self,
         header: &Header,
@@ -56,6 +56,7 @@ impl Body<'_, '_> {
                 let mut trial = trial.clone();
                 fit(&port.ty, self.ty_of(*arg), &mut trial).is_ok()
             };
+            // Greedy: an order that is not found this way leaves one error for each argument.
             let at = left.iter().position(fits)?;
             let arg = left.remove(at);
             fit(&port.ty, &self.ty_of(arg).clone(), &mut trial).ok()?;
@@ -73,7 +74,7 @@ impl Body<'_, '_> {
     ) -> Finding {
         let names = misfits.iter().map(|k| header.inputs[*k].name.as_str());
         let message = format!(
-            "{} of `{}` are given in another order",
+            "arguments for {} of `{}` are in the wrong order",
             listed(names),
             header.name
         );
@@ -82,8 +83,8 @@ impl Body<'_, '_> {
         given.extend(misfits.iter().filter_map(|k| Some((*k, args[*k]?))));
         given.sort_by_key(|(_, arg)| self.span_of(*arg).start);
         for (at, (k, arg)) in given.iter().enumerate() {
-            let text = format!("`{}`, this is `{}`", header.inputs[*k].ty, self.ty_of(*arg));
-            let text = format!("`{}` is {text}", header.inputs[*k].name);
+            let text = format!("`{}`, found `{}`", header.inputs[*k].ty, self.ty_of(*arg));
+            let text = format!("`{}` expects {text}", header.inputs[*k].name);
             finding = match at {
                 0 => finding.at(self.span_of(*arg), text),
                 _ => finding.also(self.span_of(*arg), text),
@@ -96,9 +97,9 @@ impl Body<'_, '_> {
         }
     }
 
-    /// The change of order, where all arguments are names.
+    /// Returns the fix that reorders the arguments, if all of them are plain names.
     fn swapped(&self, args: &[Option<ExprId>], misfits: &[usize], order: &[ExprId]) -> Option<Fix> {
-        let mut fix = Fix::maybe("give them in the order of the ports");
+        let mut fix = Fix::maybe("pass the arguments in the order of the ports");
         for (k, arg) in misfits.iter().zip(order) {
             self.plain_flow(args[*k]?)?;
             let name = self.plain_flow(*arg)?;
@@ -107,7 +108,7 @@ impl Body<'_, '_> {
         Some(fix)
     }
 
-    /// The name of a flow that is all that stands there.
+    /// Returns the name of a flow if the expression is only that name.
     fn plain_flow(&self, id: ExprId) -> Option<String> {
         let Kind::Flow(flow) = &self.unit.expr(id).kind else {
             return None;

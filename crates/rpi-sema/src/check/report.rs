@@ -1,4 +1,4 @@
-//! Words that several checks use.
+//! Diagnostics that several checks share.
 
 use super::body::Body;
 use super::frames;
@@ -10,18 +10,19 @@ use rpi_diag::counted;
 use rpi_diag::{Code, Finding, Fix, Severity, Span};
 
 impl Body<'_, '_> {
-    /// Takes up a finding about this body.
+    /// Adds a diagnostic about this body.
     pub(super) fn report(&mut self, finding: Finding) {
         self.findings.push(finding);
     }
 
-    /// Whether an error has been reported since there were so many findings. Notes and warnings leave a value that runs.
+    /// Whether an error has been added since there were `before` diagnostics. Notes and warnings do not invalidate a
+    /// value.
     pub(super) fn has_error_since(&self, before: usize) -> bool {
         let mut new = self.findings.iter().skip(before);
         new.any(|finding| finding.severity() == Severity::Error)
     }
 
-    /// Reports that an expression does not have the type that its place wants.
+    /// Reports that an expression does not have the expected type.
     pub(super) fn misfit(
         &mut self,
         expr: ExprId,
@@ -48,7 +49,7 @@ impl Body<'_, '_> {
         self.report(wanted_by.explain(finding));
     }
 
-    /// A value for a message about quantities.
+    /// Returns the description of a value for a diagnostic about quantities.
     pub(super) fn measured(&self, id: ExprId) -> Measured {
         let dim = match self.ty_of(id) {
             Ty::Real(dim) => *dim,
@@ -62,17 +63,17 @@ impl Body<'_, '_> {
         }
     }
 
-    /// Whether an expression is a number as it is written, not the name of one.
+    /// Whether an expression is a number literal, not a named number.
     pub(super) fn is_number(&self, id: ExprId) -> bool {
         self.numbers.contains(&self.span_of(id))
     }
 
-    /// Whether it is what an iterator takes out of an array, which is all that is written.
+    /// Whether an expression is the element that an iterator takes from an array. Only the array has source text.
     fn is_element_of_all(&self, id: ExprId) -> bool {
         matches!(self.unit.expr(id).kind, Kind::Part { base, .. } if self.span_of(base) == self.span_of(id))
     }
 
-    /// A value of quite another kind than its place wants.
+    /// Returns the diagnostic for a value whose type is of another kind than the expected type.
     fn other_kind(&self, id: ExprId, expected: &Ty) -> Finding {
         let (found, span) = (self.ty_of(id), self.span_of(id));
         let message = format!("expected {}, found {}", kind_of(expected), kind_of(found));
@@ -88,17 +89,17 @@ impl Body<'_, '_> {
             (Ty::Duration, Ty::Real(Dim::TIME)) => finding
                 .help("`time(x)` is `x` in whole ticks, rounded up")
                 .fix(
-                    Fix::maybe("convert it by `time`")
+                    Fix::maybe("convert with `time`")
                         .insert_before(span, "time(")
                         .insert_after(span, ")"),
                 ),
             (Ty::Int, Ty::Duration) => {
-                finding.help("a number of times is a quotient: `x div 1[ms]`")
+                finding.help("divide by a time to get an integer: `x div 1[ms]`")
             }
             (Ty::Real(_) | Ty::Int, _) if self.is_element_of_all(id) => finding,
             (Ty::Real(_), Ty::Int) => finding.fix(self.as_real(id)),
             (Ty::Int, Ty::Real(Dim::ONE)) if self.is_number(id) => {
-                finding.help("a whole number is written without a point")
+                finding.help("write an integer without a decimal point")
             }
             (Ty::Int, Ty::Real(_)) => finding
                 .help("`int x` cuts off the fraction; `int round(x)` takes the nearest")
@@ -115,13 +116,13 @@ impl Body<'_, '_> {
         }
     }
 
-    /// The outputs of a call of which one was meant.
+    /// Adds a fix for each output of a call that has the expected type.
     fn one_of(&self, finding: Finding, id: ExprId, expected: &Ty) -> Finding {
         let (span, members) = (self.span_of(id), self.ty_of(id).members());
         let fits = members.iter().filter(|m| m.ty == *expected);
         let mut finding = finding;
         for name in fits.filter_map(|member| member.name.as_ref()) {
-            let title = format!("take its output `{name}`");
+            let title = format!("use its output `{name}`");
             finding
                 .fixes
                 .push(Fix::maybe(title).insert_after(span, format!(".{name}")));
@@ -130,12 +131,12 @@ impl Body<'_, '_> {
         match is_named {
             true => finding,
             false => finding.help(
-                "several values in parentheses are one; a first value stands before `->`: `0 -> pre x`",
+                "several values in parentheses form a tuple; the initial value is written before `->`: `0 -> pre x`",
             ),
         }
     }
 
-    /// `3.0` for `3`, and for `0x1F` the decimal number.
+    /// Returns the fix that writes an integer literal as a real: `3.0` for `3`, and the decimal number for `0x1F`.
     fn number_as_real(&self, id: ExprId) -> Fix {
         let (span, fix) = (self.span_of(id), Fix::sure("write a real"));
         let value = match &self.unit.expr(id).kind {
@@ -149,7 +150,7 @@ impl Body<'_, '_> {
         }
     }
 
-    /// A real in place of an integer: another literal, or a conversion.
+    /// Returns the fix that turns an integer into a real: another literal, or a conversion.
     pub(super) fn as_real(&self, id: ExprId) -> Fix {
         match self.is_number(id) {
             true => self.number_as_real(id),
@@ -157,9 +158,9 @@ impl Body<'_, '_> {
         }
     }
 
-    /// A value converted by the word of a type.
+    /// Returns the fix that converts a value with the keyword of a type.
     fn converted(&self, id: ExprId, word: &str) -> Fix {
-        let (span, title) = (self.span_of(id), format!("convert it by `{word}`"));
+        let (span, title) = (self.span_of(id), format!("convert with `{word}`"));
         match &self.unit.expr(id).kind {
             Kind::Flow(_)
             | Kind::Literal(_)
@@ -173,11 +174,11 @@ impl Body<'_, '_> {
     }
 }
 
-/// Why a type is wanted.
+/// Reason why a type is expected.
 pub(super) enum Wanted {
-    /// Nothing more is to be said.
+    /// No explanation is needed.
     Here,
-    /// By what stands at another place.
+    /// Explanation with the location of its cause; without a location it becomes a note.
     By(Span, String),
 }
 
@@ -191,7 +192,7 @@ impl Wanted {
     }
 }
 
-/// A type in a message: what a call gives is known by its outputs, not as a type.
+/// Returns the description of a type; the result of a call is described by its outputs.
 fn kind_of(ty: &Ty) -> String {
     match ty {
         Ty::Tuple(members) if members.iter().any(|m| m.name.is_some()) => {
@@ -202,6 +203,7 @@ fn kind_of(ty: &Ty) -> String {
     }
 }
 
+/// Returns the diagnostic for an array of another size than expected.
 fn size(expected: u32, found: u32, span: Span) -> Finding {
     Finding::new(
         Code::RPI2009,
@@ -216,28 +218,28 @@ fn size(expected: u32, found: u32, span: Span) -> Finding {
     )
 }
 
-/// A name that nothing answers to.
+/// Returns the diagnostic for an undefined name.
 pub(super) fn unknown(what: &str, name: &str, span: Span, near: Option<String>) -> Finding {
-    let finding = Finding::new(Code::RPI1001, format!("there is no {what} `{name}`"))
-        .at(span, "not declared");
+    let finding =
+        Finding::new(Code::RPI1001, format!("undefined {what} `{name}`")).at(span, "not declared");
     finding.did_you_mean(span, near)
 }
 
-/// A part that a value does not have.
+/// Returns the diagnostic for a member that a value does not have.
 pub(super) fn no_member(of: &str, name: &str, span: Span, near: Option<String>) -> Finding {
     let finding =
-        Finding::new(Code::RPI1004, format!("{of} has no `{name}`")).at(span, "not there");
+        Finding::new(Code::RPI1004, format!("{of} has no `{name}`")).at(span, "not found");
     finding.did_you_mean(span, near)
 }
 
-/// A name that is something else than its place wants.
+/// Returns the diagnostic for a name of another kind than expected.
 pub(super) fn not_a(wanted: &str, name: &str, is: &str, span: Span, declared: Span) -> Finding {
     Finding::new(Code::RPI1003, format!("`{name}` is {is}, not {wanted}"))
         .at(span, format!("{wanted} is expected here"))
         .also(declared, "declared here")
 }
 
-/// Names in a row for a sentence: `a`, `b` and `c`.
+/// Joins names for a sentence: `a`, `b` and `c`.
 pub(super) fn listed<'n>(names: impl IntoIterator<Item = &'n str>) -> String {
     let quoted: Vec<String> = names.into_iter().map(|name| format!("`{name}`")).collect();
     match &quoted[..] {

@@ -1,6 +1,6 @@
-//! What needs arguments or values that nobody gives, checked all the same: types by types of which nothing is known, sizes by
-//! a small number. It never runs, so only what does not depend on the choice is reported: of a `.rpi` declaration, what
-//! is wrong with its names and with types that are known.
+//! Checks callables with static parameters that are never called, with sample arguments: unknown types, and a small
+//! number for sizes. A sample never runs, so that only errors that do not depend on the arguments are reported; in RPI
+//! text these are errors in names and in known types.
 
 use super::callable::Callable;
 use super::constraint::nothing_known;
@@ -13,10 +13,10 @@ use rpi_diag::{Code, Finding, Severity};
 use rpi_syntax::ast::{StaticParam, StaticParamKind};
 use std::rc::Rc;
 
-/// The number that stands for a size.
+/// Sample value of a size.
 const SIZE: i64 = 4;
 
-/// Whether a finding may only be due to the number chosen.
+/// Whether a diagnostic may be caused by the sample size alone.
 pub(super) fn may_be_its_fault(finding: &Finding) -> bool {
     matches!(
         finding.code,
@@ -24,12 +24,12 @@ pub(super) fn may_be_its_fault(finding: &Finding) -> bool {
     )
 }
 
-/// Whether a finding about a sample is one about what it is a sample of.
+/// Whether a diagnostic about a sample applies to the declaration itself.
 pub(super) fn is_its_fault(finding: &Finding) -> bool {
     !may_be_its_fault(finding) && finding.code != Code::RPI1012
 }
 
-/// Whether a finding is about names, or types that are known: these are the same whatever is given.
+/// Whether a diagnostic is about names or known types, which do not depend on the arguments.
 fn is_about_text(finding: &Finding) -> bool {
     matches!(
         finding.code,
@@ -48,26 +48,25 @@ fn is_about_text(finding: &Finding) -> bool {
     )
 }
 
-/// Says where a size in its words comes from.
+/// Adds a note about the sample size if the message contains it.
 fn says_its_size(finding: Finding) -> Finding {
+    // Array types are printed as `int^4`. A message with this text for another reason only gets a needless note.
     match finding.message.contains(&format!("^{SIZE}")) {
-        true => finding.note(format!(
-            "checked with {SIZE} for each size that is left open"
-        )),
+        true => finding.note(format!("checked with {SIZE} for each unknown size")),
         false => finding,
     }
 }
 
-/// What nobody calls is no part of a program of Lustre V6.
+/// Turns an error in a Lustre V6 callable that is never called into a warning.
 fn weighs_less(finding: Finding) -> Finding {
     let told = Finding {
         code: Code::RPI1015,
         ..finding
     };
-    told.note("nothing calls it, so the program runs; a call would be refused, whatever it gives")
+    told.note("it is never called, so the program still runs; any call to it would be an error")
 }
 
-/// A value of a type that stands for one from outside.
+/// Returns a sample value of a type; `None` if there is none.
 pub(super) fn value(ty: &Ty) -> Option<Rc<[Leaf]>> {
     Some(match ty {
         Ty::Bool => [Leaf::bool(false)].into(),
@@ -85,7 +84,8 @@ pub(super) fn value(ty: &Ty) -> Option<Rc<[Leaf]>> {
 }
 
 impl Checker<'_> {
-    /// Checks what nobody calls and what needs static arguments; and the nodes that are wanted as such, in any case.
+    /// Checks callables that need static arguments and are never called, and the node parameters of all generic
+    /// callables.
     pub(super) fn check_samples(&mut self) {
         for id in self.program.root().decls.clone() {
             if self.params_of(id).is_empty() {
@@ -96,7 +96,7 @@ impl Checker<'_> {
             let is_checked = !self.is_lustre(id) && self.has_type_params(id);
             let (sample, is_told): (_, fn(&Finding) -> bool) = match (is_of_kind2, is_checked) {
                 (true, _) => (self.sample(id), is_its_fault),
-                // For all types that its constraints admit.
+                // `generic.rs` checks these bodies for all types that satisfy the constraints.
                 (_, true) => (Some(self.unknown(id)), |_| false),
                 _ => (Some(self.unknown(id)), is_about_text),
             };
@@ -128,8 +128,8 @@ impl Checker<'_> {
         }
     }
 
-    /// Whether it is a node of Kind 2, `<<T>>`, whose types are opaque. Those of Lustre V6, `<<type t>>`, are like text
-    /// that is put in.
+    /// Whether a declaration is a generic node of Kind 2, `<<T>>`, whose types are opaque. Types of Lustre V6,
+    /// `<<type t>>`, behave like text substitution.
     fn is_of_kind2(&self, id: DeclId) -> bool {
         let of_kind2 = |param: &StaticParam| matches!(&param.kind, StaticParamKind::Type(name, _) if name.span == param.span);
         match self.program.decl(id).kind {
@@ -145,7 +145,7 @@ impl Checker<'_> {
         params.iter().any(|param| matches!(param, Param::Type(..)))
     }
 
-    /// Static arguments of which as little as possible is known.
+    /// Returns static arguments of which as little as possible is known.
     pub(super) fn unknown(&mut self, id: DeclId) -> Statics {
         let mut statics = Statics::new();
         for param in self.params_of(id) {
@@ -168,7 +168,8 @@ impl Checker<'_> {
         statics
     }
 
-    /// Types of which nothing is known and a small number for sizes; none if a value of its type cannot be had.
+    /// Returns opaque types and sample values as static arguments; `None` for node parameters and types without sample
+    /// values.
     fn sample(&mut self, id: DeclId) -> Option<Statics> {
         let mut statics = Statics::new();
         for param in self.params_of(id) {

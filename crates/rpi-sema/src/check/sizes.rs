@@ -1,4 +1,4 @@
-//! Sizes that nobody gives: those of the arrays that a call is given tell them, as their types tell type parameters.
+//! Inference of array sizes: a size without a static argument follows from the types of the arguments.
 
 use super::args::Given;
 use super::body::Body;
@@ -11,8 +11,8 @@ use rpi_syntax::Name;
 use rpi_syntax::ast::{ExprKind, Ident, Signature, Type, TypeKind, VarDecl};
 
 impl<'a> Body<'_, 'a> {
-    /// Binds the sizes of a declaration that are not given and that an argument's type tells, before defaults; false if one
-    /// depends on an argument of which the type is not known yet.
+    /// Binds the size parameters without an argument that follow from the type of an argument, before defaults are
+    /// added. Returns false if a size depends on an argument whose type is not known yet.
     pub(super) fn bind_sizes_of_arguments(
         &mut self,
         id: DeclId,
@@ -76,11 +76,13 @@ impl<'a> Checker<'a> {
     }
 }
 
-/// What an argument tells of a size.
+/// Result of inferring a size from the type of an argument.
 enum Told {
+    /// The size.
     Size(u32),
     /// The type of the argument is not known yet.
     Later,
+    /// The type does not determine the size.
     Nothing,
 }
 
@@ -88,7 +90,7 @@ fn is_named(arg: &Given<'_>, name: &Name) -> bool {
     arg.name.is_some_and(|given: &Ident| given.name == *name)
 }
 
-/// The size `n` of `T^n`, `T^n^3`, `T^n?`, given the type of an argument.
+/// Returns the size `n` of a port type `T^n`, `T^n^3` or `T^n?`, given the type of its argument.
 fn size_in(mut declared: &Type, mut found: &Ty, name: &Name) -> Told {
     loop {
         match (&declared.kind, found) {

@@ -1,6 +1,6 @@
-//! Operators on vectors, rotations and poses that are written as calls: their units, and the frames of what they give.
+//! Operators on vectors, rotations and poses in call syntax: units and frames of their results.
 //!
-//! A vector has one unit for its three components, and one frame in which these are given.
+//! A vector has one unit for its three components, and one frame in which they are expressed.
 
 use super::body::Body;
 use super::report::Wanted;
@@ -14,22 +14,22 @@ use rpi_prims::PrimId;
 use rpi_syntax::ast::StaticArg;
 use std::rc::Rc;
 
-/// An operator.
+/// A spatial operator in call syntax.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) enum SpatialOp {
-    /// `vector(x, y, z)`: of three reals of one unit.
+    /// `vector(x, y, z)`: vector of three reals with the same unit.
     Vector,
-    /// `dot(a, b)`: the scalar product; units multiply.
+    /// `dot(a, b)`: scalar product; the units are multiplied.
     Dot,
-    /// `cross(a, b)`: the vector product; units multiply.
+    /// `cross(a, b)`: vector product; the units are multiplied.
     Cross,
-    /// `norm(v)`: how long a vector is, in its own unit.
+    /// `norm(v)`: length of a vector, in its own unit.
     Norm,
-    /// `inverse(p)`: of the pose of `a` in `b` that of `b` in `a`; so for rotations.
+    /// `inverse(p)`: the pose of `b` in `a` for the pose of `a` in `b`; likewise for rotations.
     Inverse,
 }
 
-/// Name, number of operands, how it is called.
+/// Operator, name, number of operands, and description for help texts.
 const ROWS: &[(SpatialOp, &str, usize, &str)] = &[
     (
         SpatialOp::Vector,
@@ -68,7 +68,8 @@ impl SpatialOp {
 }
 
 impl<'a> Body<'_, 'a> {
-    /// What the components of a vector are: `Vector<<real[m/s]>>`. Those of other spatial types are known.
+    /// Returns the dimension of the components of `Vector<<real[m/s]>>`, if it is given. Other spatial types take no
+    /// static arguments.
     pub(super) fn components(&mut self, scalar: Scalar, statics: &'a [StaticArg]) -> Option<Dim> {
         let [of, more @ ..] = statics else {
             return None;
@@ -80,17 +81,17 @@ impl<'a> Body<'_, 'a> {
             _ => {}
         }
         let message = match scalar {
-            Scalar::Vector => "the components of a vector are reals".to_owned(),
+            Scalar::Vector => "the components of a vector must be reals".to_owned(),
             _ => format!("`{scalar}` has no static arguments"),
         };
         let finding = Finding::new(Code::RPI1010, message)
-            .at(of.span, "this is none of its parameters")
-            .help("a vector of velocities is `Vector<<real[m/s]>>`");
+            .at(of.span, "invalid static argument")
+            .help("write a velocity vector as `Vector<<real[m/s]>>`");
         self.report(finding);
         None
     }
 
-    /// An operator with as many operands as it takes.
+    /// Checks a spatial operator; the caller has checked the number of operands.
     pub(super) fn spatial_op(&mut self, op: SpatialOp, operands: &[ExprId], span: Span) -> ExprId {
         match op {
             SpatialOp::Vector => self.vector(operands, span),
@@ -127,7 +128,7 @@ impl<'a> Body<'_, 'a> {
         self.prim_typed(prim!("World::VectorFromXYZ"), parts, ty, span)
     }
 
-    /// Of `(a in b)` it is `(b in a)`.
+    /// Checks the inverse: `(b in a)` for `(a in b)`.
     fn inverse(&mut self, operand: ExprId, span: Span) -> ExprId {
         let (prim, scalar, geometry) = match self.ty_of(operand).clone() {
             Ty::Spatial(Scalar::Pose, of) => (prim!("World::FrameInvert"), Scalar::Pose, of),
@@ -136,9 +137,9 @@ impl<'a> Body<'_, 'a> {
             }
             Ty::Unknown => return self.fault(span),
             ty => {
-                let finding = Finding::new(Code::RPI2006, format!("`inverse` can not take `{ty}`"))
+                let finding = Finding::new(Code::RPI2006, format!("`inverse` cannot take `{ty}`"))
                     .at(self.span_of(operand), format!("this is `{ty}`"))
-                    .help("poses and rotations have an inverse");
+                    .help("only poses and rotations have an inverse");
                 return self.fault_with(finding, span);
             }
         };
@@ -150,7 +151,7 @@ impl<'a> Body<'_, 'a> {
         self.prim_typed(prim, &[operand], Ty::Spatial(scalar, Rc::new(turned)), span)
     }
 
-    /// A product of two vectors, whose units multiply; both are given in one frame.
+    /// Checks a product of two vectors: their units are multiplied, and both must be in the same frame.
     fn product(&mut self, prim: PrimId, operands: &[ExprId], span: Span) -> ExprId {
         let dims = operands.iter().map(|id| match self.ty_of(*id) {
             Ty::Spatial(_, geometry) => geometry.dim,
@@ -171,7 +172,7 @@ impl<'a> Body<'_, 'a> {
         self.prim_typed(prim, operands, ty, span)
     }
 
-    /// What is known of vectors that are given in one frame; reports what does not fit.
+    /// Returns the common geometry of vectors in one frame; reports a mismatch.
     fn vectors(&mut self, operands: &[ExprId]) -> Option<Geometry> {
         let mut common = Ty::spatial(Scalar::Vector);
         for operand in operands {
@@ -179,7 +180,7 @@ impl<'a> Body<'_, 'a> {
             if found.is_unknown() {
                 return None;
             }
-            // Only their frames must be the same.
+            // Only the frames must be equal; the units may differ.
             let frames_only = match (&found, operands.len()) {
                 (Ty::Spatial(Scalar::Vector, of), 2..) => {
                     let geometry = Geometry {

@@ -1,4 +1,4 @@
-//! Predeclared operators that are written as calls. A declaration of the same name takes their place.
+//! Predeclared operators in call syntax. A declaration of the same name hides them.
 
 use super::args::Given;
 use super::body::Body;
@@ -12,30 +12,30 @@ use rpi_diag::{Code, Finding, Span};
 use rpi_net::prim;
 use rpi_syntax::ast::{self, ExprKind};
 
-/// A predeclared operator.
+/// A predeclared operator in call syntax.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) enum Special {
-    /// `present(x)`: whether a flow is there in this cycle.
+    /// `present(x)`: whether a flow is present in this cycle.
     Present,
-    /// `hold(x, init)`: the latest value; `init` before there was one.
+    /// `hold(x, init)`: the latest present value; `init` before the first one.
     Hold,
-    /// `condact(c, f(x), d)`: `f(x)` when `c`, else what it gave last; `d` before.
+    /// `condact(c, f(x), d)`: `f(x)` in cycles in which `c` holds, else its previous value; `d` before the first one.
     Condact,
-    /// `sqrt(x)`: square root; takes the root of the dimension, too.
+    /// `sqrt(x)`: square root of the value and of its dimension.
     Sqrt,
-    /// `any<<t>>()`, `any@<t>` of Kind 2: a value that the program leaves open.
+    /// `any<<t>>()`, `any@<t>` of Kind 2: a nondeterministic value.
     Any,
-    /// `choose { x: t | c }` of Kind 2: the same, but always the same for the same arguments.
+    /// `choose { x: t | c }` of Kind 2: a nondeterministic value that is always the same for the same arguments.
     Choose,
-    /// `(int8 x)` of Kind 2: as a machine integer.
+    /// `(int8 x)` of Kind 2: conversion to a machine integer.
     Machine(&'static str),
-    /// `time(x)`: seconds as a time, in whole ticks, rounded up.
+    /// `time(x)`: conversion of seconds to a time in whole ticks, rounded up.
     Time,
-    /// `norm(v)` and what else there is for vectors, rotations and poses.
+    /// `norm(v)` and the other operators on vectors, rotations and poses.
     Spatial(SpatialOp),
 }
 
-/// All of them.
+/// All predeclared operators in call syntax.
 pub(super) const SPECIALS: &[Special] = &[
     Special::Present,
     Special::Hold,
@@ -78,12 +78,12 @@ impl Special {
 }
 
 impl Special {
-    /// How it is called, and what it gives.
+    /// Returns the syntax of a call and the result, for help texts.
     fn form(self) -> &'static str {
         match self {
-            Special::Present => "`present(x)`: whether `x` is there",
+            Special::Present => "`present(x)`: whether `x` is present",
             Special::Hold => {
-                "`hold(x, init)`: the latest value of `x`, `init` before there was one"
+                "`hold(x, init)`: the latest value of `x`, `init` before the first one"
             }
             Special::Condact => "`condact(c, f(x), d)`",
             Special::Sqrt => "`sqrt(x)`",
@@ -97,7 +97,7 @@ impl Special {
 }
 
 impl<'a> Body<'_, 'a> {
-    /// A predeclared operator, called.
+    /// Checks a call of a predeclared operator.
     pub(super) fn special(&mut self, special: Special, call: &'a ast::Call, span: Span) -> ExprId {
         if special == Special::Condact {
             return self.condact(call, span);
@@ -114,8 +114,9 @@ impl<'a> Body<'_, 'a> {
         self.apply_special(special, &given, span)
     }
 
-    /// A value that the program leaves open, cycle by cycle: no function of what goes in.
+    /// Checks `any` and `choose`, whose values are nondeterministic.
     fn any(&mut self, special: Special, of: &'a ast::StaticArg, span: Span) -> ExprId {
+        // `choose` is a function of its arguments; `any` may change from cycle to cycle.
         if special == Special::Any {
             self.has_state(span);
         }
@@ -124,13 +125,13 @@ impl<'a> Body<'_, 'a> {
             return self.fault(span);
         };
         self.report(
-            Finding::new(Code::RPI1013, "this value is left open")
-                .at(span, "false or 0 when it runs here"),
+            Finding::new(Code::RPI1013, "nondeterministic value")
+                .at(span, "false or 0 at run time"),
         );
         self.add(Kind::Outside, ty, span)
     }
 
-    /// A predeclared operator with checked arguments.
+    /// Checks a predeclared operator with checked arguments.
     pub(super) fn apply_special(
         &mut self,
         special: Special,
@@ -142,7 +143,7 @@ impl<'a> Body<'_, 'a> {
             (Special::Present, [x]) => self.add(Kind::Present(*x), Ty::Bool, span),
             (Special::Hold, [x, init]) => {
                 self.has_state(span);
-                let ty = self.common_type(*x, *init, "it is the value before there was one");
+                let ty = self.common_type(*x, *init, "this is the value before the first one");
                 self.add(Kind::Each(Each::Hold, [*x, *init].into()), ty, span)
             }
             (Special::Sqrt, [x]) => self.sqrt(*x, span),
@@ -162,13 +163,13 @@ impl<'a> Body<'_, 'a> {
                 );
                 let finding = Finding::new(Code::RPI1010, message)
                     .at(span, "wrong number of arguments")
-                    .help(format!("it is written {}", special.form()));
+                    .help(format!("usage: {}", special.form()));
                 self.fault_with(finding, span)
             }
         }
     }
 
-    /// `time(x)`
+    /// Checks `time(x)`: seconds as a time in whole ticks.
     fn whole_ticks(&mut self, x: ExprId, span: Span) -> ExprId {
         if *self.ty_of(x) == Ty::Duration || self.in_ticks(x) {
             return x;
@@ -193,7 +194,7 @@ impl<'a> Body<'_, 'a> {
         self.prim_typed(prim!("Core::DoubleSquareRoot"), &[x], ty, span)
     }
 
-    /// `condact(c, f(x), d)`
+    /// Checks `condact(c, f(x), d)`.
     fn condact(&mut self, call: &'a ast::Call, span: Span) -> ExprId {
         let [every, called, defaults @ ..] = &call.args[..] else {
             return self.condact_form(span);
@@ -207,7 +208,7 @@ impl<'a> Body<'_, 'a> {
             ast::Activation::Always => None,
             ast::Activation::Restart { every: restart } => {
                 let restart = self.condition(restart, "a restart");
-                // Only what is active starts afresh.
+                // Only an active cycle can restart the call.
                 let both = [every, restart];
                 Some(self.prim_typed(prim!("Core::BooleanAnd"), &both, Ty::Bool, span))
             }
@@ -235,7 +236,7 @@ impl<'a> Body<'_, 'a> {
             Code::RPI1010,
             "`condact` takes a condition, a call and defaults",
         )
-        .at(span, "not of this form")
+        .at(span, "invalid arguments")
         .help("write `condact(c, f(x), d)`");
         self.fault_with(finding, span)
     }

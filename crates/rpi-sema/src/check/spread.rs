@@ -1,8 +1,8 @@
-//! Tuples, taken apart for as many flows or ports as they are for.
+//! Decomposition of tuples into as many values as there are targets or ports.
 //!
-//! Lists of values are flat in Lustre: `a, b, c = (f(x), z)` where `f` gives two values. A tuple inside of a tuple is one
-//! value, too, where one is wanted: `c, ab = (e[0], e[1])` with `ab: [int, int]`. So the types that are wanted decide, and
-//! where these are not known the number of values: the outermost tuples are taken apart first.
+//! Lists of values are flat in Lustre: `a, b, c = (f(x), z)` where `f` has two outputs. A nested tuple is one value
+//! where one is expected: `c, ab = (e[0], e[1])` with `ab: [int, int]`. Therefore the expected types decide; where they
+//! are not known, the number of values decides and the outermost tuples are decomposed first.
 
 use super::access::leaves;
 use crate::ty::{Member, Subst, Ty, fit};
@@ -10,15 +10,15 @@ use crate::ty::{Member, Subst, Ty, fit};
 /// A part of one of several values.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) struct Piece {
-    /// Which value it is of.
+    /// Index of the value.
     pub(super) of: usize,
-    /// Where it begins among the leaves of that.
+    /// Index of the first leaf of the part among the leaves of the value.
     pub(super) at: u32,
     pub(super) ty: Ty,
 }
 
-/// The pieces of a list of values for flows whose types are known as far as `wanted` says; all that there are if they can not
-/// be as many.
+/// Decomposes a list of values for targets of the types `wanted`, as far as these are known. Returns all pieces if
+/// their number cannot match.
 pub(super) fn pieces(list: &[Ty], wanted: &[Option<&Ty>]) -> Vec<Piece> {
     let whole: Vec<Piece> = (list.iter().cloned().enumerate())
         .map(|(of, ty)| Piece { of, at: 0, ty })
@@ -27,10 +27,10 @@ pub(super) fn pieces(list: &[Ty], wanted: &[Option<&Ty>]) -> Vec<Piece> {
     by_type.unwrap_or_else(|| by_number(whole, wanted.len()))
 }
 
-/// Takes apart only what does not fit as a whole.
+/// Decomposes only values that do not match as a whole; `None` if a type does not match or is not known.
 fn by_type(whole: &[Piece], wanted: &[Option<&Ty>]) -> Option<Vec<Piece>> {
     let mut pieces = Vec::with_capacity(wanted.len());
-    // What is still to be taken, the next one last.
+    // Remaining values in reverse order: the next one is last.
     let mut open: Vec<Piece> = whole.iter().rev().cloned().collect();
     for wanted in wanted {
         let wanted = (*wanted)?;
@@ -45,7 +45,7 @@ fn by_type(whole: &[Piece], wanted: &[Option<&Ty>]) -> Option<Vec<Piece>> {
     open.is_empty().then_some(pieces)
 }
 
-/// Takes apart level by level.
+/// Decomposes tuples level by level until there are `count` pieces.
 fn by_number(mut level: Vec<Piece>, count: usize) -> Vec<Piece> {
     while level.len() < count {
         let is_whole = |piece: &Piece| !matches!(piece.ty, Ty::Tuple(_));
@@ -60,7 +60,7 @@ fn by_number(mut level: Vec<Piece>, count: usize) -> Vec<Piece> {
     }
 }
 
-/// The elements of a tuple, tuples in it taken apart; the value itself if it is none.
+/// Returns the elements of a tuple, with nested tuples decomposed; the value itself if it is not a tuple.
 pub(super) fn all(ty: &Ty) -> Vec<Piece> {
     let (of, at, ty) = (0, 0, ty.clone());
     flattened(vec![Piece { of, at, ty }])
@@ -74,7 +74,7 @@ fn flattened(mut level: Vec<Piece>) -> Vec<Piece> {
 }
 
 impl Piece {
-    /// The elements of a tuple.
+    /// Returns the elements of a tuple; `None` for other types.
     fn opened(&self) -> Option<Vec<Piece>> {
         let Ty::Tuple(members) = &self.ty else {
             return None;

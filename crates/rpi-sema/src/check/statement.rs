@@ -1,4 +1,4 @@
-//! What stands in a body: declared first, so that order does not matter, then checked.
+//! Statements of a body: all are declared first, so that their order does not matter, then checked.
 
 use super::body::Body;
 use super::locals::Local;
@@ -13,26 +13,26 @@ use rpi_syntax::Mode;
 use rpi_syntax::ast::{self, FragmentDecl, Ident, Locals, Statement, StatementKind, VarDecl};
 use smallvec::SmallVec;
 
-/// What is checked when the types of all flows are known.
+/// A statement that is checked when the types of all flows are known.
 pub(super) enum Later<'a> {
-    /// A call for its effect.
+    /// Call without a target.
     Call(&'a ast::Expr),
-    /// A claim.
+    /// Condition that is claimed to hold.
     Claim(&'a ast::Claim, Span),
-    /// A contract, in its block.
+    /// Contract, in its own block.
     Contract(&'a ast::Contract),
-    /// How the command ends.
+    /// End of the command.
     End(&'a ast::End, Span),
-    /// A flow made visible.
+    /// Exported flow.
     Export(&'a ast::Dotted),
-    /// When a block is active, and its budget.
+    /// Activation condition and time budget of a fragment's block.
     Activation(BlockId, &'a FragmentDecl),
-    /// The transitions of an automaton.
+    /// Transitions of an automaton.
     Automaton(usize, &'a ast::Automaton),
 }
 
 impl<'a> Body<'_, 'a> {
-    /// Declares and checks everything in a body.
+    /// Declares and checks all statements of a body.
     pub(super) fn check_body(&mut self, body: &'a ast::Body) {
         let mut later = Vec::new();
         self.declare_body(body, &mut later);
@@ -45,7 +45,7 @@ impl<'a> Body<'_, 'a> {
         self.check_sums();
     }
 
-    /// Checks all equations that have been declared.
+    /// Checks all declared equations.
     pub(super) fn check_equations(&mut self) {
         self.infer_with_times();
         self.state_clocks();
@@ -56,7 +56,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// Declares what a body declares, in the current block.
+    /// Declares the locals and statements of a body in the current block.
     pub(super) fn declare_body(
         &mut self,
         body: &'a ast::Body,
@@ -77,7 +77,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// Declares local flows; `var x: int = e;` defines as well.
+    /// Declares local flows; `var x: int = e;` also defines `x`.
     pub(super) fn declare_var(&mut self, var: &'a VarDecl) {
         let port = self.port_ty(&var.ty);
         for name in &var.names {
@@ -114,7 +114,8 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// The clocks of declared flows, when all flows have a type: equations may introduce those that decide.
+    /// Sets the clocks of declared flows after type inference, because equations may introduce the flows that the
+    /// clocks refer to.
     fn state_clocks(&mut self) {
         for (block, sections) in std::mem::take(&mut self.clocks_stated) {
             for section in sections {
@@ -125,7 +126,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// The clocks that declarations state.
+    /// Sets the clocks that declarations state.
     pub(super) fn state_clocks_of(&mut self, vars: &'a [VarDecl]) {
         for var in vars {
             let Some(clock) = &var.clock else {
@@ -196,7 +197,7 @@ impl<'a> Body<'_, 'a> {
         });
     }
 
-    /// The flow that a target introduces: a plain name that nothing around declares.
+    /// Returns the flow that a target introduces: a plain name that no surrounding block declares.
     fn introduced(&mut self, target: &ast::Target, index: usize) -> Option<FlowId> {
         self.hides_no_constant(&target.name);
         let may = target.path.is_empty() && self.mode == Mode::Rpi && target.name.name != "_";
@@ -217,7 +218,7 @@ impl<'a> Body<'_, 'a> {
         Some(flow)
     }
 
-    /// A constant of this very file is not hidden by an equation that seems to define it.
+    /// Reports an equation that seems to define a constant of the same file.
     pub(super) fn hides_no_constant(&mut self, name: &Ident) {
         let Some(id) = self.c.program.own(self.module, &name.name) else {
             return;
@@ -227,23 +228,24 @@ impl<'a> Body<'_, 'a> {
             return;
         }
         let finding = Finding::new(Code::RPI1003, format!("`{}` is a constant", name.name))
-            .at(name.span, "no equation can define it")
+            .at(name.span, "a constant cannot be defined by an equation")
             .also(decl.span, "declared here")
             .help(format!(
-                "give what is new a name of its own: `{}_new = ...;`",
+                "use another name for the new flow: `{}_new = ...;`",
                 name.name
             ));
         self.report(finding);
     }
 
-    /// Whether a flow has its type from an equation that has not been met yet.
+    /// Whether a flow gets its type from an equation that has not been declared yet.
     fn waits_for_type(&self, flow: FlowId) -> bool {
         let inferred = self.unit.flow(flow).optional == Optional::Inferred;
         inferred && self.defined_by[flow.0 as usize].is_none()
     }
 
-    /// Whether a target's name is declared here, or around here as what no equation defines. A fragment does not define the
-    /// flows of its surroundings, which go on while it is inactive: of the same name it has one of its own.
+    /// Whether the name of a target is declared in this block, or around it as a name that no equation defines. A
+    /// fragment does not define flows of its surroundings, which continue while it is inactive; it gets its own flow of
+    /// that name.
     fn is_declared(&self, name: &Ident) -> bool {
         if self.find_in(self.block, &name.name).is_some() {
             return true;
@@ -299,9 +301,9 @@ impl<'a> Body<'_, 'a> {
     fn check_end(&mut self, end: &'a ast::End, span: Span) {
         if !self.unit.kind.is_root() || self.block != BlockId::ROOT {
             let finding = Finding::new(Code::RPI8001, "only the body of a command can end it")
-                .at(span, "this is not at the top of a command")
+                .at(span, "not at the top level of a command")
                 .help(
-                    "name the condition, and end the command by it where its other results stand",
+                    "define the condition as a flow here, and end the command by that flow at the top level",
                 );
             return self.report(finding);
         }
@@ -343,15 +345,15 @@ impl<'a> Body<'_, 'a> {
         target.budget_ns = budget_ns;
     }
 
-    /// A Boolean expression.
+    /// Checks a condition; `of` is its role in the message.
     pub(super) fn condition(&mut self, condition: &'a ast::Expr, of: &str) -> ExprId {
         let id = self.expr(condition);
-        let wanted = Wanted::By(Span::NONE, format!("{of} is a condition"));
+        let wanted = Wanted::By(Span::NONE, format!("{of} must be a Boolean condition"));
         self.expect(id, &Ty::Bool, &wanted);
         id
     }
 
-    /// Checks that an expression fits a type.
+    /// Checks that an expression has an expected type; reports a mismatch.
     pub(super) fn expect(&mut self, id: ExprId, expected: &Ty, wanted: &Wanted) -> bool {
         self.suits(id, expected);
         let result = fit(expected, self.ty_of(id), &mut Subst::default());

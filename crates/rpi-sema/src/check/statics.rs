@@ -1,4 +1,4 @@
-//! Static arguments: what stands between `<<` and `>>`, bound to the parameters that it is for.
+//! Static arguments: the arguments in `<<...>>`, bound to static parameters.
 
 use super::args::Given;
 use super::body::Body;
@@ -17,30 +17,30 @@ use rpi_syntax::ast::{
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
-/// What a static parameter stands for.
+/// Value of a static parameter.
 #[derive(Clone, Debug)]
 pub(super) enum Static {
     /// A type.
     Ty(Ty),
-    /// A value that is known when the program is checked.
+    /// A value that is known at compile time.
     Value(Constant),
-    /// A value that is known when the command is loaded: a flow in the body.
+    /// A value that is known at load time: a flow in the body.
     Opaque,
-    /// Something to call, and what is to be said if it is called although its ports are others than the parameter has.
+    /// A callable, and the diagnostic for calling it although its ports differ from those of the parameter.
     Callee(Callable, Option<Rc<Finding>>),
 }
 
-/// The static parameters of a callable, bound.
+/// Values of the static parameters of a callable, by name.
 pub(super) type Statics = BTreeMap<Name, Static>;
 
-/// A static parameter, declared.
+/// Declaration of a static parameter.
 #[derive(Clone, Copy)]
 pub(crate) enum Param<'a> {
-    /// `type t`, `type T: number`
+    /// Type parameter: `type t`, `type T: number`.
     Type(&'a Ident, Option<&'a Ident>),
-    /// `n: int = 3`
+    /// Value parameter: `n: int = 3`.
     Value(&'a Ident, &'a ConstDef),
-    /// `node f (...) returns (...)`
+    /// Node parameter: `node f (...) returns (...)`.
     Node(&'a Signature),
 }
 
@@ -53,7 +53,7 @@ impl<'a> Param<'a> {
     }
 }
 
-/// The static parameters of a declaration, one by one.
+/// Returns the static parameters of a declaration, one for each name.
 pub(crate) fn params<'a>(statics: &'a [StaticParam]) -> Vec<Param<'a>> {
     let mut all = Vec::new();
     for param in statics {
@@ -70,7 +70,7 @@ pub(crate) fn params<'a>(statics: &'a [StaticParam]) -> Vec<Param<'a>> {
     all
 }
 
-/// The `const` in-ports of a node that decide about sizes.
+/// Returns the `const` in-ports of a node, which may determine sizes.
 pub(super) fn size_params(node: &NodeDecl) -> Vec<Param<'_>> {
     let sizes = node.sizes.iter();
     sizes
@@ -79,7 +79,7 @@ pub(super) fn size_params(node: &NodeDecl) -> Vec<Param<'_>> {
 }
 
 impl<'a> Checker<'a> {
-    /// Whether a callable declaration has a parameter or in-port of this name.
+    /// Whether a callable declaration has a static parameter or an in-port of this name.
     pub(super) fn takes(&self, id: DeclId, name: &Name) -> bool {
         self.ports_of(id).any(|port| port == name)
             || self
@@ -88,12 +88,12 @@ impl<'a> Checker<'a> {
                 .any(|param| param.name().name == *name)
     }
 
-    /// The names of the in-ports of a callable declaration.
+    /// Returns the names of the in-ports of a callable declaration.
     pub(super) fn ports_of(&self, id: DeclId) -> impl Iterator<Item = &'a Name> + use<'a> {
         self.port_names(id).map(|name| &name.name)
     }
 
-    /// The in-ports of a callable declaration, by the places of their names.
+    /// Returns the names of the in-ports of a callable declaration, with their locations.
     pub(super) fn port_names(&self, id: DeclId) -> impl Iterator<Item = &'a Ident> + use<'a> {
         let inputs: &'a [VarDecl] = match self.program.decl(id).kind {
             DeclKind::Node(d) => d.signature.inputs.as_deref().unwrap_or(&[]),
@@ -104,13 +104,13 @@ impl<'a> Checker<'a> {
         inputs.iter().flat_map(|port| &port.names)
     }
 
-    /// The static parameters of a callable declaration.
+    /// Returns the static parameters of a callable declaration.
     pub(super) fn params_of(&self, id: DeclId) -> Vec<Param<'a>> {
         params_of(self.program.decl(id).kind)
     }
 }
 
-/// The static parameters of a callable declaration.
+/// Returns the static parameters of a callable declaration.
 pub(crate) fn params_of(kind: DeclKind<'_>) -> Vec<Param<'_>> {
     match kind {
         DeclKind::Node(d) => [params(&d.signature.statics), size_params(d)].concat(),
@@ -122,18 +122,19 @@ pub(crate) fn params_of(kind: DeclKind<'_>) -> Vec<Param<'_>> {
     }
 }
 
-/// Static arguments of a call, sorted by what they are for.
+/// Static arguments of a call, sorted by the parameters that they are for.
 pub(super) struct Bound<'a> {
-    /// What the static parameters stand for, as far as they are given.
+    /// Values of the static parameters that have an argument.
     pub(super) statics: Statics,
     /// Arguments for ports and for values known at load time, by name.
     pub(super) ports: Vec<Given<'a>>,
-    /// Whether something was wrong, and has been reported.
+    /// Whether an error has been reported.
     pub(super) faulty: bool,
 }
 
 impl<'a> Body<'_, 'a> {
-    /// Binds static arguments to the parameters of a declaration. What is no static parameter is left for its ports.
+    /// Binds static arguments to the parameters of a declaration. Arguments without a static parameter are left for its
+    /// ports.
     pub(super) fn bind(&mut self, id: DeclId, args: &'a [StaticArg]) -> Bound<'a> {
         let params = self.c.params_of(id);
         let mut bound = Bound {
@@ -168,7 +169,7 @@ impl<'a> Body<'_, 'a> {
         bound
     }
 
-    /// Binds the arguments for `const` in-ports that decide about sizes; the others are left over.
+    /// Binds the arguments for `const` in-ports that determine sizes; returns the other arguments.
     pub(super) fn bind_sizes(
         &mut self,
         id: DeclId,
@@ -222,14 +223,15 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// Whether an argument by place behind those for the static parameters may be for an in-port: `on_delay<<500[ms]>>(x)`.
+    /// Whether a positional argument after those of the static parameters may be for an in-port:
+    /// `on_delay<<500[ms]>>(x)`.
     fn may_be_for_port(&self, id: DeclId, params: &[Param<'_>], arg: &StaticArg) -> bool {
         let has_values = params.iter().any(|param| !matches!(param, Param::Type(..)));
         let has_ports = self.c.ports_of(id).next().is_some();
         self.is_rpi() && !has_values && has_ports && matches!(arg.value, StaticValue::Expr(_))
     }
 
-    /// Without a name it is for the first in-port that `(...)` leaves open.
+    /// Binds an argument to an in-port; without a name to the first in-port that has no argument in `(...)`.
     fn bind_port(&mut self, name: Option<&'a Ident>, arg: &'a StaticArg, bound: &mut Bound<'a>) {
         let Some(value) = self.static_expr(arg) else {
             bound.faulty = true;
@@ -247,20 +249,20 @@ impl<'a> Body<'_, 'a> {
             StaticValue::Expr(expr) => Some(self.expr(expr)),
             _ => {
                 let finding = Finding::new(Code::RPI1010, "a value is expected here")
-                    .at(arg.span, "this is none");
+                    .at(arg.span, "not a value");
                 self.report(finding);
                 None
             }
         }
     }
 
-    /// Adds to what has been told of `f<<bool>>` which parameter wants a value.
+    /// Adds to the reported error of `f<<bool>>` the parameter that expects a value.
     fn wants_value(&mut self, id: DeclId, name: &Ident, arg: &StaticArg) {
         let of = &self.c.program.decl(id).name;
         let what = match &arg.value {
             StaticValue::Type(_) => "this is a type",
             StaticValue::Op(_) => "this is an operator",
-            _ => "this is something to call",
+            _ => "this is a callable",
         };
         let text = format!("`{}` of `{of}` is declared here", name.name);
         if let Some(finding) = self.findings.last_mut() {
@@ -275,9 +277,12 @@ impl<'a> Body<'_, 'a> {
         let decl = self.c.program.decl(id);
         let finding = Finding::new(
             Code::RPI1010,
-            format!("`{}` has {count} static parameters", decl.name),
+            format!(
+                "too many static arguments for `{}`: expected {count}",
+                decl.name
+            ),
         )
-        .at(span, "one too many")
+        .at(span, "unexpected argument")
         .also(decl.span, "declared here");
         self.report(finding);
     }
@@ -318,7 +323,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// A value that tells instances apart becomes part of the instance; others stay flows.
+    /// Binds a value. A value that distinguishes instances becomes part of the instance; others remain flows.
     fn bind_value(
         &mut self,
         id: DeclId,
@@ -350,19 +355,19 @@ impl<'a> Body<'_, 'a> {
             StaticValue::Expr(expr) => self.type_by_name(expr),
             _ => {
                 let finding = Finding::new(Code::RPI1010, "a type is expected here")
-                    .at(arg.span, "this is none");
+                    .at(arg.span, "not a type");
                 self.report(finding);
                 None
             }
         }
     }
 
-    /// A type whose name was parsed as an expression.
+    /// Resolves a type whose name was parsed as an expression.
     fn type_by_name(&mut self, expr: &'a Expr) -> Option<Ty> {
         let ExprKind::Name(name) = &expr.kind else {
             let finding = Finding::new(Code::RPI1010, "a type is expected here")
                 .at(expr.span, "this is a value")
-                .fix(Fix::maybe("say that it is a type").insert_before(expr.span, "type "));
+                .fix(Fix::maybe("mark it as a type").insert_before(expr.span, "type "));
             self.report(finding);
             return None;
         };
@@ -381,14 +386,15 @@ impl<'a> Body<'_, 'a> {
             }) => self.callable(name, &[], *span),
             _ => {
                 let finding = Finding::new(Code::RPI1010, "a node is expected here")
-                    .at(arg.span, "this is none");
+                    .at(arg.span, "not a node");
                 self.report(finding);
                 None
             }
         }
     }
 
-    /// How the ports of something to call differ from those that a static parameter has, as far as both are known.
+    /// Returns the diagnostic for a callable whose ports differ from those of a node parameter, as far as both are
+    /// known.
     fn unlike(
         &mut self,
         id: DeclId,
@@ -421,15 +427,15 @@ impl<'a> Body<'_, 'a> {
         None
     }
 
-    /// Something to call, passed as a static argument.
+    /// Resolves a callable that is passed as a static argument.
     pub(super) fn static_callee(&mut self, arg: &'a StaticArg) -> Option<Callable> {
         self.static_callable(arg)
     }
 }
 
 impl<'a> Checker<'a> {
-    /// The declared type of a static value parameter; that of its default where none is declared. Unknown where it depends on
-    /// type parameters that have not been bound yet.
+    /// Returns the declared type of a static value parameter, or the type of its default. The type is unknown if it
+    /// depends on unbound type parameters.
     pub(super) fn static_ty(&mut self, id: DeclId, def: &'a ConstDef, statics: &Statics) -> Ty {
         let mut known = statics.clone();
         for param in self.params_of(id) {
@@ -441,7 +447,7 @@ impl<'a> Checker<'a> {
         self.ty_among(id, def, &Rc::new(known))
     }
 
-    /// The types of ports in the signature of a declaration, one by one.
+    /// Returns the types of ports in the signature of a declaration, one for each name.
     pub(super) fn types_in(
         &mut self,
         id: DeclId,
@@ -458,7 +464,7 @@ impl<'a> Checker<'a> {
         types
     }
 
-    /// Reports what is wrong with the ports of the nodes that a declaration takes as static parameters.
+    /// Reports errors in the port types of the node parameters of a declaration.
     pub(super) fn check_wanted_nodes(&mut self, id: DeclId, statics: &Rc<Statics>) {
         for param in self.params_of(id) {
             let Param::Node(signature) = param else {
@@ -487,13 +493,13 @@ impl<'a> Checker<'a> {
         }
     }
 
-    /// For what stands in the signature of a declaration, with the static parameters known so far.
+    /// Returns a body for checking the signature of a declaration, with the static parameters known so far.
     fn signature_body(&mut self, id: DeclId, statics: &Rc<Statics>) -> Body<'_, 'a> {
         let unit = crate::typed::Unit::new("".into(), crate::typed::UnitKind::Constant, Span::NONE);
         Body::new(self, id, statics.clone(), unit)
     }
 
-    /// Adds defaults for what is not given. The names that are still open are returned.
+    /// Adds defaults for parameters without an argument; returns the names that remain open.
     pub(super) fn complete(&mut self, id: DeclId, statics: &mut Statics) -> Vec<Name> {
         let mut open = Vec::new();
         for param in self.params_of(id) {
@@ -503,7 +509,7 @@ impl<'a> Checker<'a> {
             }
             match param {
                 Param::Value(_, def) => {
-                    // Lent out, not copied: each default may need all before it.
+                    // Moved out and back instead of cloned: each default may need all parameters before it.
                     let known = Rc::new(std::mem::take(statics));
                     let value = self.default_static(id, def, &known);
                     *statics = Rc::unwrap_or_clone(known);
@@ -542,7 +548,7 @@ impl<'a> Checker<'a> {
     }
 }
 
-/// Whether values of a type may decide sizes and branches, so that each has an instance of its own.
+/// Whether values of a type may determine sizes and branches, so that each value needs its own instance.
 pub(super) fn tells_apart(ty: &Ty) -> bool {
     match ty {
         Ty::Bool | Ty::Int | Ty::Subrange(_) | Ty::Enum(_) => true,
@@ -551,48 +557,51 @@ pub(super) fn tells_apart(ty: &Ty) -> bool {
     }
 }
 
-/// Static arguments that are missing, in words.
+/// Returns the diagnostic for missing static arguments.
 pub(super) fn missing(name: &Name, open: &[Name], span: Span, declared: Span) -> Finding {
     let names = listed(open.iter().map(Name::as_str));
     Finding::new(
         Code::RPI1010,
-        format!("`{name}` needs {names} in `<<...>>`"),
+        format!("missing static arguments of `{name}`: {names}"),
     )
-    .at(span, "not given")
+    .at(span, "required in `<<...>>`")
     .also(declared, "declared here")
     .help(format!(
-        "parameters stand before the arguments: `{name}<<{}: ...>>(...)`",
+        "write them before the arguments: `{name}<<{}: ...>>(...)`",
         open.first().map_or("n", Name::as_str)
     ))
 }
 
-/// A static argument that nothing takes.
+/// Returns the diagnostic for a static argument without a parameter.
 pub(super) fn no_param(of: &Name, name: &Ident, near: Option<String>) -> Finding {
-    // Without the types that an instance was made for: they are not what is wrong.
+    // Without the static arguments in the name of an instance, which are not part of the error.
     let of = of.split("<<").next().unwrap_or(of);
     let finding = unknown(
-        &format!("parameter of `{of}` called"),
+        &format!("static parameter of `{of}`:"),
         &name.name,
         name.span,
         near,
     );
     finding.note(format!(
-        "in `<<...>>` stand the parameters of `{of}`, and in-ports that are fixed at load time"
+        "`<<...>>` takes the static parameters of `{of}`, and in-ports that are fixed at load time"
     ))
 }
 
-/// A node whose ports are not those of the parameter that it is given for.
+/// Returns the diagnostic for a node whose ports do not match a node parameter.
 fn wrong_node<T: std::fmt::Display>(
     signature: &Signature,
     span: Span,
     what: &str,
     (wanted, given): (T, T),
 ) -> Finding {
-    let message = format!("the node for `{}` has other ports", signature.name.name);
+    let message = format!(
+        "port mismatch: the node for `{}` has other ports",
+        signature.name.name
+    );
     Finding::new(Code::RPI2001, message)
         .at(
             span,
-            format!("{what}: `{wanted}` is wanted, this has `{given}`"),
+            format!("{what}: expected `{wanted}`, found `{given}`"),
         )
-        .also(signature.name.span, "the ports are declared here")
+        .also(signature.name.span, "the expected ports are declared here")
 }

@@ -1,4 +1,4 @@
-//! Subranges of `int` as they are declared, and constants of them.
+//! Subrange types of `int`, and constants of these types.
 
 use super::body::Body;
 use super::report::Wanted;
@@ -8,18 +8,18 @@ use rpi_diag::{Code, Finding, Span};
 use rpi_syntax::ast;
 
 impl<'a> Body<'_, 'a> {
-    /// `subrange [0, 7] of int`
+    /// Checks a subrange type `subrange [0, 7] of int`.
     pub(super) fn subrange(&mut self, range: &'a ast::Subrange, span: Span) -> Ty {
         let [from, to] = [&range.from, &range.to].map(|bound| self.bound(bound.as_ref()));
         let (Ok(from), Ok(to)) = (from, to) else {
-            // The fault has been reported.
+            // The error has been reported.
             return Ty::Int;
         };
         let range = Subrange { from, to };
         if range.is_empty() {
-            let message = format!("no integer lies in {range}");
+            let message = format!("empty subrange {range}");
             let finding = Finding::new(Code::RPI2018, message)
-                .at(span, "the lower bound is above the upper one")
+                .at(span, "the lower bound is greater than the upper bound")
                 .help("write the smaller bound first");
             self.report(finding);
             return Ty::Int;
@@ -27,7 +27,7 @@ impl<'a> Body<'_, 'a> {
         Ty::Subrange(range)
     }
 
-    /// A bound of a subrange: a constant, or none where it is open.
+    /// Evaluates a bound of a subrange; `None` if the bound is open, an error if one has been reported.
     fn bound(&mut self, bound: Option<&'a ast::Expr>) -> Result<Option<i64>, ()> {
         let Some(bound) = bound else {
             return Ok(None);
@@ -41,7 +41,7 @@ impl<'a> Body<'_, 'a> {
         value.map(Some).ok_or(())
     }
 
-    /// Whether a constant lies in the subranges that its type declares; reports the first leaf that does not.
+    /// Whether the leaves of a constant are in the subranges of its type; reports the first leaf that is not.
     pub(super) fn is_in_subranges(&mut self, leaves: &[Leaf], ty: &Ty, span: Span) -> bool {
         let out = ty.subranges(false).into_iter().find_map(|(leaf, range)| {
             let value = leaves.get(leaf)?.as_int()?;
@@ -54,8 +54,8 @@ impl<'a> Body<'_, 'a> {
     }
 }
 
-/// A constant outside of a subrange; its place is to be added.
+/// Returns the diagnostic for a constant outside of a subrange; the caller adds the location.
 pub(crate) fn outside(value: i64, range: Subrange) -> Finding {
-    let message = format!("{value} lies outside of the subrange {range}");
-    Finding::new(Code::RPI2017, message).help(format!("give a value in {range}, or a wider range"))
+    let message = format!("{value} is outside of the subrange {range}");
+    Finding::new(Code::RPI2017, message).help(format!("use a value in {range}, or widen the range"))
 }

@@ -1,4 +1,5 @@
-//! Sums of times that are declared as reals: each step rounds, and after some thousand a limit is met a cycle too late or too early.
+//! Sums of times declared as reals: each addition rounds, so that after thousands of cycles a limit is reached one
+//! cycle too late or too early.
 
 use super::body::Body;
 use crate::hash::Map;
@@ -7,18 +8,18 @@ use rpi_diag::{Code, Finding, Fix, Span};
 use rpi_net::prim;
 use rpi_syntax::ast;
 
-/// Expressions that are looked at for one flow, at most.
+/// Maximum number of expressions examined for one flow.
 const EFFORT: usize = 200;
 
 impl Body<'_, '_> {
-    /// Notes that a flow is declared in seconds.
+    /// Records a flow if it is declared in seconds.
     pub(super) fn notes_seconds(&mut self, flow: FlowId, ty: &ast::Type) {
         if self.unit.flow(flow).ty == super::time::SECONDS && self.is_rpi() {
             self.seconds.push((flow, ty.span));
         }
     }
 
-    /// Warns of flows that are declared in seconds and add times to what they were in the cycle before.
+    /// Warns about flows declared in seconds that add a time to their previous value.
     pub(super) fn check_sums(&mut self) {
         if self.seconds.is_empty() {
             return;
@@ -40,21 +41,22 @@ impl Body<'_, '_> {
 fn rounded(unit: &Unit, flow: FlowId, declared: Span, sum: ExprId) -> Finding {
     let flow = unit.flow(flow);
     let message = format!(
-        "`{}` sums up times as reals: each step is rounded",
+        "`{}` accumulates times as reals; each addition is rounded",
         flow.name
     );
     Finding::new(Code::RPI2016, message)
-        .at(unit.expr(sum).span, "a time is added to what it was before")
+        .at(unit.expr(sum).span, "a time is added to the previous value")
         .also(declared, "declared in seconds")
-        .help("the type `time` counts whole ticks: a limit is reached in the cycle that it names")
+        .help("use the type `time`, which counts whole ticks and does not round")
         .fix(Fix::maybe("declare it as `time`").replace(declared, "time"))
 }
 
-/// What defines the flows of a unit, by the flow that is seen from outside of states.
+/// Defining expressions of the flows of a unit. Flows of states count as the outer flow that they define.
 struct Sums<'u> {
     unit: &'u Unit,
     shares: &'u Map<FlowId, FlowId>,
     defined: Map<FlowId, Vec<ExprId>>,
+    /// Number of expressions that may still be examined for the current flow.
     left: usize,
 }
 
@@ -81,7 +83,7 @@ impl<'u> Sums<'u> {
         self.shares.get(&flow).copied().unwrap_or(flow)
     }
 
-    /// The sum in a value of a flow that adds a time to what the flow was before.
+    /// Returns the sum in a value that adds a time to the previous value of the flow.
     fn adds_a_time(&mut self, flow: FlowId, value: ExprId) -> Option<ExprId> {
         let mut open = vec![value];
         while let Some(id) = open.pop() {
@@ -107,7 +109,7 @@ impl<'u> Sums<'u> {
         takes && (of(self, a, b) || adds && of(self, b, a))
     }
 
-    /// Whether a real is a time, converted.
+    /// Whether a real is a converted time.
     fn is_time(&self, id: ExprId) -> bool {
         let Kind::Prim(call) = &self.unit.expr(id).kind else {
             return false;
@@ -116,7 +118,7 @@ impl<'u> Sums<'u> {
         times.contains(&call.prim.desc().name)
     }
 
-    /// Whether a value is what a flow was in an earlier cycle.
+    /// Whether a value is the value of a flow in an earlier cycle.
     fn is_before(&mut self, flow: FlowId, value: ExprId) -> bool {
         let mut open = vec![(value, false)];
         while let Some((id, delayed)) = open.pop() {

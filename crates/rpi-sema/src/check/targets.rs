@@ -1,4 +1,4 @@
-//! What stands on the left of an equation.
+//! Targets: the left sides of equations.
 
 use super::body::Body;
 use super::locals::Local;
@@ -14,7 +14,7 @@ use rpi_syntax::ast::{self, Ident};
 use smallvec::SmallVec;
 
 impl<'a> Body<'_, 'a> {
-    /// Checks an equation's value against what it defines.
+    /// Checks the value of an equation against its targets.
     pub(super) fn check_equation(&mut self, index: usize) {
         let value = self.value_of(index);
         let (goal, span) = (self.pending[index].goal, self.pending[index].span);
@@ -51,7 +51,7 @@ impl<'a> Body<'_, 'a> {
         });
     }
 
-    /// The type of the flow that a target defines as a whole, as far as it is known.
+    /// Returns the type of the flow that a target defines as a whole, if it is known.
     fn declared_type(&self, target: &ast::Target) -> Option<&Ty> {
         let flow = self.local_flow(&target.name.name)?;
         let ty = &self.unit.flow(flow).ty;
@@ -72,7 +72,7 @@ impl<'a> Body<'_, 'a> {
         )
         .at(at, format!("this gives {}", counted(parts, "value")))
         .also(span, format!("{} on the left", counted(targets, "flow")));
-        // Which of them lacks its value is not known.
+        // It is not known which target lacks its value, so no further errors are reported for any of them.
         let introduced = self.pending[index].introduces.iter().flatten();
         self.broken.extend(introduced.copied());
         if let Goal::Targets(targets) = self.pending[index].goal {
@@ -83,7 +83,7 @@ impl<'a> Body<'_, 'a> {
         self.report(finding);
     }
 
-    /// What a target defines; its type must fit the value's.
+    /// Checks a target, whose type must match the type of the value.
     fn target(&mut self, target: &'a ast::Target, found: &Ty, value: ExprId) -> Target {
         let (place, expected) = self.place(target);
         self.fitting_target(place, expected, target.span, found, value)
@@ -116,7 +116,7 @@ impl<'a> Body<'_, 'a> {
                 ty = join(&expected, found).unwrap_or(ty);
             }
             Err(misfit) => {
-                let text = format!("defines something of type `{expected}`");
+                let text = format!("the target has the type `{expected}`");
                 self.misfit(value, &expected, &misfit, &Wanted::By(span, text));
             }
         }
@@ -135,19 +135,19 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// Nothing in this body has the name.
+    /// Handles a target whose name is not declared in this body.
     fn no_place(&mut self, name: &Ident, in_part: bool) -> (Place, Ty) {
         if let Lookup::Found(id) = self.c.program.lookup(self.module, &name.name) {
             return self.not_definable(name, self.c.program.decl(id).kind.what());
         }
         let help = match in_part && self.unit.kind == UnitKind::Command {
-            true => "a device is a parameter of the command: `command C (arm: Arm)`",
-            false => "flows are declared after `returns` or `var`",
+            true => "declare the device as a parameter of the command: `command C (arm: Arm)`",
+            false => "declare flows after `returns` or `var`",
         };
         let told = self.unknown.place(&name.name);
         if self.is_new_unknown(&name.name) {
             let near = self.c.suggest(&name.name, self.local_names());
-            // That the flow that is meant has no equation is the same fault.
+            // That the intended flow has no equation is the same error.
             let meant = near.as_ref().and_then(|near| self.local_flow(near));
             self.broken.extend(meant);
             let finding = unknown("flow", &name.name, name.span, near);
@@ -158,7 +158,7 @@ impl<'a> Body<'_, 'a> {
         (Place::Nowhere, Ty::Unknown)
     }
 
-    /// Where an unknown flow is read that has been told, without what to do.
+    /// Adds a help text to the earlier diagnostic about a read of an undefined flow, if it has no other help.
     fn say_what_to_do(&mut self, told: usize, name: &Ident, help: &str) {
         let alike = unknown("flow", &name.name, name.span, None);
         let told = self.findings.get_mut(told);
@@ -168,7 +168,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// The type of a flow; what several states define has one type in all of them.
+    /// Returns the type of a flow; a flow that several states define has one type in all of them.
     fn shared_type(&self, flow: FlowId) -> &Ty {
         let all = self.shared_around(flow).chain([flow]);
         let mut types = all.map(|flow| &self.unit.flow(flow).ty);
@@ -190,7 +190,7 @@ impl<'a> Body<'_, 'a> {
             return (Place::Nowhere, Ty::Unknown);
         }
         if let Some(what) = what {
-            // A parameter of an unknown type may well be a device.
+            // A parameter of an unknown type may be a device.
             return match ty.is_unknown() && !target.path.is_empty() {
                 true => (Place::Nowhere, Ty::Unknown),
                 false => self.not_definable(&target.name, what),
@@ -205,8 +205,8 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// Whether a target is a part of a flow of the surroundings: these are active when what is here is not. It is reported,
-    /// once for a flow.
+    /// Whether a target is a part of a flow of a surrounding block, which is active while this block is not. Reports it
+    /// once for each flow.
     fn is_part_around(&mut self, flow: FlowId, target: &ast::Target) -> bool {
         if self.unit.flow(flow).block == self.block {
             return false;
@@ -216,13 +216,13 @@ impl<'a> Body<'_, 'a> {
             let name = &target.name.name;
             let block = self.unit.block(self.block).name.clone();
             let declared = self.unit.flow(flow).span;
-            let message = format!("`{name}` is defined by its parts inside of `{block}`");
+            let message = format!("`{name}` is defined in parts inside of `{block}`");
             let finding = Finding::new(Code::RPI1008, message)
                 .at(
                     target.span,
-                    format!("counts only while `{block}` is active"),
+                    format!("takes effect only while `{block}` is active"),
                 )
-                .also(declared, "a flow of the surroundings, defined as a whole")
+                .also(declared, "declared outside of it, to be defined as a whole")
                 .help(format!("define it in one equation: `{name} = ...;`"));
             self.report(finding);
         }
@@ -231,9 +231,9 @@ impl<'a> Body<'_, 'a> {
 
     fn not_definable(&mut self, name: &Ident, what: &str) -> (Place, Ty) {
         let finding = Finding::new(Code::RPI1003, format!("`{}` is {what}", name.name))
-            .at(name.span, format!("{what} can not be defined here"))
+            .at(name.span, format!("{what} cannot be defined here"))
             .help(format!(
-                "give what is new a name of its own: `{}_new = ...;`",
+                "use another name for the new flow: `{}_new = ...;`",
                 name.name
             ));
         self.report(finding);

@@ -1,8 +1,9 @@
-//! Exact time: values of the type `time` count ticks; where a real is wanted they become seconds, and a duration that is fixed when
-//! the command is loaded becomes whole ticks, rounded up, where a time is wanted.
+//! Exact time. Values of the type `time` count ticks. They become seconds where a real is expected; a duration in
+//! seconds that is fixed at load time becomes whole ticks, rounded up, where a time is expected.
 //!
-//! Such a conversion is often known only when the other operand is: so an expression that may need one is added together with a part
-//! that is all of it, and that part turns into the conversion. What has been checked keeps its number.
+//! Such a conversion is often known only when the other operand is checked. Therefore an expression that may need one
+//! is added together with a part that covers all of it, and that part is turned into the conversion. The indices of
+//! checked expressions do not change.
 
 use super::Checker;
 use super::body::Body;
@@ -22,13 +23,13 @@ use rpi_syntax::ops::BinaryOp;
 
 use BinaryOp::{Add, Div, Ge, Gt, IntDiv, Le, Lt, Mod, Mul, Pow, Sub};
 
-/// Seconds.
+/// Type of reals in seconds.
 pub(super) const SECONDS: Ty = Ty::Real(Dim::TIME);
 
-/// Expressions that one in seconds may choose among to become a time, at most.
+/// Maximum number of alternatives of an expression in seconds that may become a time.
 const MOST_PARTS: usize = 1000;
 
-/// An operator on times: what it is on the ticks, whether its operands change places, and what it gives.
+/// Operator on times: its primitive on ticks, whether the operands are swapped, and the type of its result.
 struct Row {
     op: BinaryOp,
     prim: PrimId,
@@ -59,7 +60,7 @@ const ROWS: &[Row] = &[
     row(Ge,     prim!("Rpi::IntGreaterOrEqual"), false, Ty::Bool),
 ];
 
-/// Whether an expression is added with a part that may turn into a conversion.
+/// Whether an expression is added with a part that may be turned into a conversion.
 pub(super) fn may_be_converted(unit: &Unit, kind: &Kind, ty: &Ty) -> bool {
     match ty {
         Ty::Duration => !matches!(kind, Kind::Fault),
@@ -68,7 +69,7 @@ pub(super) fn may_be_converted(unit: &Unit, kind: &Kind, ty: &Ty) -> bool {
     }
 }
 
-/// Whether a value is known to be the same in all cycles by a look at its operands.
+/// Whether a value is the same in all cycles, as far as its direct operands show.
 pub(super) fn is_fixed(unit: &Unit, kind: &Kind) -> bool {
     match kind {
         Kind::Flow(flow) => unit.flow(*flow).role == FlowRole::Param,
@@ -90,7 +91,7 @@ fn is_fixed_operand(unit: &Unit, id: ExprId) -> bool {
     }
 }
 
-/// The expression of which this is a part that is all of it.
+/// Returns the expression of type `ty` that a part covers completely.
 fn whole(unit: &Unit, id: ExprId, ty: &Ty) -> Option<ExprId> {
     match unit.expr(id).kind {
         Kind::Part { base, .. } if unit.expr(base).ty == *ty => Some(base),
@@ -110,7 +111,7 @@ impl<'a> Body<'_, 'a> {
         }
         let base = whole(&self.unit, id, &Ty::Duration);
         let converted = base.map(|base| match &self.unit.expr(base).kind {
-            // What the core gives in seconds, too.
+            // The core provides these values in seconds, too.
             Kind::Prim(call) if call.prim == prim!("Rpi::PeriodTicks") => {
                 prim_call(prim!("Core::CycleTime"), None)
             }
@@ -126,11 +127,13 @@ impl<'a> Body<'_, 'a> {
         } else if let Kind::Prim(call) = &expr.kind
             && let (true, [Some(base)]) = (call.prim == prim!("Rpi::WholeTicks"), &call.inputs[..])
         {
+            // An earlier conversion is undone rather than converted back, because it has rounded.
             expr.kind = Kind::Part { base: *base, at: 0 };
         }
     }
 
-    /// Turns seconds that are fixed when the command is loaded, or are chosen among such, into whole ticks, rounded up; whether they are.
+    /// Turns seconds that are fixed at load time, or chosen among such values, into whole ticks, rounded up; returns
+    /// whether they are.
     pub(super) fn in_ticks(&mut self, id: ExprId) -> bool {
         let Some(parts) = self.fixed_parts(id) else {
             return false;
@@ -146,13 +149,14 @@ impl<'a> Body<'_, 'a> {
         true
     }
 
-    /// An expression in seconds with those among which it chooses, if all that these come down to are fixed, as far as a look tells.
+    /// Returns an expression in seconds with all its alternatives, as of `if` or `merge`, if all of them are fixed at
+    /// load time as far as their direct operands show.
     pub(super) fn fixed_parts(&self, id: ExprId) -> Option<Vec<ExprId>> {
         let mut parts = Vec::new();
         let mut open = vec![id];
         while let Some(id) = open.pop() {
             let expr = self.unit.expr(id);
-            // `none` is of any type.
+            // `none` has any type.
             if expr.ty.is_unknown() && !parts.is_empty() {
                 continue;
             }
@@ -174,7 +178,7 @@ impl<'a> Body<'_, 'a> {
         Some(parts)
     }
 
-    /// Brings a time and a real that meet to one type: a duration that is fixed to ticks, else the time to seconds.
+    /// Converts a time and a real to a common type: a fixed duration to ticks, otherwise the time to seconds.
     pub(super) fn times_meet(&mut self, a: ExprId, b: ExprId) {
         for (time, other) in [(a, b), (b, a)] {
             let is_real = matches!(self.ty_of(other), Ty::Real(_));
@@ -184,7 +188,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// Converts between seconds and ticks where the place of a value says which it wants.
+    /// Converts an expression between seconds and ticks as its expected type requires.
     pub(super) fn suits(&mut self, id: ExprId, wanted: &Ty) {
         match wanted {
             Ty::Real(_) => self.in_seconds(id),
@@ -193,7 +197,8 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// An argument for a port of the type `time`: seconds that change become whole ticks, rounded up, as fixed ones do.
+    /// Converts an argument for a port of the type `time`: seconds become whole ticks, rounded up, even if they change
+    /// at run time.
     fn ticks_given(&mut self, id: ExprId) -> ExprId {
         if *self.ty_of(id) != SECONDS || self.in_ticks(id) {
             return id;
@@ -201,13 +206,14 @@ impl<'a> Body<'_, 'a> {
         self.ticks_from(id, self.span_of(id))
     }
 
-    /// `time(x)`
+    /// Adds the conversion `time(x)` from seconds to whole ticks, rounded up.
     pub(super) fn ticks_from(&mut self, x: ExprId, span: Span) -> ExprId {
         self.prim_typed(prim!("Rpi::TicksFromSeconds"), &[x], Ty::Duration, span)
     }
 
-    /// Brings the operands of an operator, of which one is a time, to what the operator takes. True: times, or a time and an integer; else
-    /// seconds, where the other operand can have to do with them.
+    /// Converts the operands of an operator, one of which is a time. Returns whether the operator works on times, or on
+    /// a time and an integer; otherwise the operands become seconds, unless one is a Boolean, an integer or an enum
+    /// value.
     fn operands_meet(&mut self, op: BinaryOp, left: ExprId, right: ExprId) -> bool {
         if matches!(op, Add | Sub | Mod | IntDiv | Lt | Le | Gt | Ge) {
             self.times_meet(left, right);
@@ -226,7 +232,7 @@ impl<'a> Body<'_, 'a> {
         false
     }
 
-    /// `n * 10[ms]` is a multiple of ticks.
+    /// Turns the fixed duration in `n * 10[ms]` into ticks; the product is a multiple of it.
     fn multiple_of_fixed(&mut self, op: BinaryOp, left: ExprId, right: ExprId) {
         let is_constant = self.unit.kind == UnitKind::Constant;
         for (count, duration) in [(left, right), (right, left)] {
@@ -237,7 +243,8 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// An operator of which an operand is a time; none if it works on seconds, which the operands are then.
+    /// Checks an operator with a time as an operand; returns `None` if it works on seconds, to which the operands are
+    /// converted.
     pub(super) fn on_times(
         &mut self,
         op: BinaryOp,
@@ -262,8 +269,8 @@ impl<'a> Body<'_, 'a> {
         Some(self.prim_typed(row.prim, &operands, gives, span))
     }
 
-    /// Decides for the arguments of a generic callable whether what they have in common is a time: where all of them are, or may be,
-    /// and the constraint of their type admits it; else they become seconds.
+    /// Decides whether the common type of the arguments of a type parameter is a time. It is if all of them are times
+    /// or may be, and the constraint of the type parameter admits times; otherwise they become seconds.
     pub(super) fn settle_times(&mut self, header: &Header, args: &[Option<ExprId>]) {
         let given = header.inputs.iter().zip(args);
         let generic = given.filter_map(|(port, arg)| match (&port.ty, arg) {
@@ -291,7 +298,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// Brings the arguments of a call to the types of the ports that are known.
+    /// Converts the arguments of a call to the known types of the ports.
     pub(super) fn args_suit(&mut self, header: &Header, args: &mut [Option<ExprId>]) {
         self.settle_times(header, args);
         for (port, arg) in header.inputs.iter().zip(args) {
@@ -315,7 +322,8 @@ fn prim_call(prim: PrimId, input: Option<ExprId>) -> Kind {
 }
 
 impl Checker<'_> {
-    /// Whether a type parameter may be a time: its constraint admits one, and the language of the body knows the type.
+    /// Whether a type parameter may be a time: its constraint admits times, and the body is RPI text, which has this
+    /// type.
     fn may_be_time(&self, id: DeclId, name: &Name) -> bool {
         let is_body = matches!(
             self.program.decl(id).kind,
@@ -330,7 +338,7 @@ impl Checker<'_> {
     }
 }
 
-/// The machine type in which a value of this type is seen from outside: a time in seconds.
+/// Returns the type and the machine type of a value outside of the program; a time is in seconds there.
 pub(crate) fn outside_type(ty: &Ty) -> (Ty, Scalar) {
     match ty {
         Ty::Duration => (SECONDS, Scalar::Real),

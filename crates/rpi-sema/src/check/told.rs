@@ -1,11 +1,11 @@
-//! What has been told once, so that one message is enough: names that nothing declares, flows that are no clocks.
+//! Errors of a body that have been reported, so that each is reported once: undefined names, flows that are not clocks.
 
 use std::collections::BTreeMap;
 
-/// What has been told, each with its place among the findings.
+/// Reported errors by key, each with the index of its diagnostic.
 pub(super) struct Told<K> {
     places: BTreeMap<K, usize>,
-    /// In the order of telling: what was told of a guess is forgotten with it.
+    /// Keys in the order of the diagnostics. The keys of a discarded trial check are removed again.
     order: Vec<K>,
 }
 
@@ -19,12 +19,12 @@ impl<K> Default for Told<K> {
 }
 
 impl<K: Ord + Clone> Told<K> {
-    /// Where among the findings it has been told.
+    /// Returns the index of the diagnostic for a key.
     pub(super) fn place(&self, what: &K) -> Option<usize> {
         self.places.get(what).copied()
     }
 
-    /// Notes that it is told as the finding of this place; whether it is the first.
+    /// Records the index of the diagnostic for a key; returns whether the key is new.
     pub(super) fn tell(&mut self, what: &K, place: usize) -> bool {
         if self.places.contains_key(what) {
             return false;
@@ -34,7 +34,7 @@ impl<K: Ord + Clone> Told<K> {
         true
     }
 
-    /// Forgets what is told from this place of the findings on.
+    /// Removes all keys whose diagnostics have this index or a higher one.
     pub(super) fn forget_from(&mut self, place: usize) {
         while let Some(last) = self.order.last() {
             if self.place(last).is_some_and(|told| told < place) {

@@ -1,4 +1,4 @@
-//! Types as they are written, resolved.
+//! Resolution of type expressions.
 
 use super::body::Body;
 use super::locals::Local;
@@ -20,10 +20,11 @@ use rpi_syntax::ast::{
 };
 use std::rc::Rc;
 
-/// The most elements that an array may have, all levels together: more is a slip, and would only fill memory.
+/// Maximum number of leaves of an array, over all levels. A larger array is probably a mistake, and would only use up
+/// memory.
 pub(super) const MAX_LEAVES: usize = 1 << 16;
 
-/// A type with whether a value may be absent.
+/// A type, and whether a value may be absent.
 #[derive(Clone, Debug)]
 pub(super) struct PortTy {
     pub(super) ty: Ty,
@@ -31,7 +32,7 @@ pub(super) struct PortTy {
 }
 
 impl<'a> Body<'_, 'a> {
-    /// The type of a port or variable, which may be optional as a whole.
+    /// Resolves the type of a port or variable, which may be optional as a whole.
     pub(super) fn port_ty(&mut self, ty: &'a Type) -> PortTy {
         match &ty.kind {
             TypeKind::Optional(inner) => PortTy {
@@ -45,7 +46,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// A type that is not optional.
+    /// Resolves a type that is not optional.
     pub(super) fn ty(&mut self, ty: &'a Type) -> Ty {
         match &ty.kind {
             TypeKind::Bool => Ty::Bool,
@@ -71,7 +72,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// The type of reals in a unit; unknown while a type parameter in the unit is, and after a fault.
+    /// Resolves the type of reals in a unit; unknown while a type parameter in the unit is unknown, and after an error.
     fn real_in(&mut self, unit: &Unit) -> Ty {
         match self.measure(unit) {
             Ok(Some(measure)) => Ty::Real(measure.dim),
@@ -83,10 +84,10 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// What a unit means; none while the types that are parameters in it are not known.
+    /// Resolves a unit; `None` while a type parameter in it is unknown.
     ///
     /// # Errors
-    /// Says what is wrong with the unit.
+    /// Returns the diagnostic for an invalid unit.
     pub(super) fn measure(&self, unit: &Unit) -> Result<Option<Measure>, Box<Finding>> {
         for factor in &unit.factors {
             match self.statics.get(&factor.unit.name) {
@@ -108,12 +109,9 @@ impl<'a> Body<'_, 'a> {
 
     fn inner_optional(&mut self, inner: &'a Type, span: Span) -> Ty {
         self.report(
-            Finding::new(
-                Code::RPI3004,
-                "a part of a value can not be absent by itself",
-            )
-            .at(span, "only a whole flow or port can be optional")
-            .help("write the `?` behind the whole type"),
+            Finding::new(Code::RPI3004, "a part of a value cannot be optional")
+                .at(span, "optional part")
+                .help("only a whole flow or port can be optional: write `?` after the whole type"),
         );
         self.ty(inner)
     }
@@ -151,7 +149,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// A type by its name alone.
+    /// Resolves a type by its name alone.
     pub(super) fn ty_named(&mut self, name: &Name, span: Span) -> Option<Ty> {
         if let Some(Static::Ty(ty)) = self.statics.get(name) {
             return Some(ty.clone());
@@ -175,7 +173,7 @@ impl<'a> Body<'_, 'a> {
         found
     }
 
-    /// Whether a name stands for no type but the one that is there without a declaration.
+    /// Whether no declaration and no static parameter has this name, so that it can only be a predeclared type.
     pub(super) fn is_undeclared_type(&self, name: &Name) -> bool {
         let found = self.c.program.lookup_in(Space::Type, self.module, name);
         !self.statics.contains_key(name) && matches!(found, Lookup::Missing)
@@ -222,7 +220,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// A type of Kind 2 of which only the name is known here.
+    /// Resolves a built-in type of Kind 2: a machine integer, or a type of which only the name is known.
     fn foreign_type(&mut self, named: &'a NamedType) -> Ty {
         let (name, span) = (named.name.name.as_str(), named.name.span);
         if !matches!(name, "set" | "map" | "history") {
@@ -246,7 +244,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// An argument of such a type, as text; empty after a fault.
+    /// Returns a static argument of such a type as text; empty after an error.
     fn type_argument(&mut self, arg: &'a rpi_syntax::ast::StaticArg) -> String {
         match &arg.value {
             rpi_syntax::ast::StaticValue::Expr(value) => self
@@ -259,7 +257,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// `history(x)`: the values that a flow has had.
+    /// Checks `history(x)`, the past values of a flow.
     fn history(&mut self, named: &NamedType) {
         let of = named
             .frames
@@ -273,12 +271,12 @@ impl<'a> Body<'_, 'a> {
             let message = format!("`{}` has no history", of.name);
             let finding = Finding::new(Code::RPI2014, message)
                 .at(of.span, "not a flow of the node")
-                .help("`history(x)` are the values that a flow `x` has had");
+                .help("`history(x)` is the sequence of past values of a flow `x`");
             return self.report(finding);
         }
         self.foreign(
             "a history",
-            "a control core keeps no values of earlier cycles but those of `pre`",
+            "a control core stores no values of earlier cycles except those of `pre`",
             named.name.span,
         );
     }
@@ -307,7 +305,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// A frame by its name: declared, of a device, or (in a signature) free.
+    /// Resolves a frame: declared, of a device, or (in a signature) free.
     fn frame(&mut self, frame: &Dotted) -> Option<Name> {
         match &frame.parts[..] {
             [one] => {
@@ -323,7 +321,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// The frame that a frame is placed in, which is declared, too.
+    /// Resolves the frame in which another frame is placed.
     pub(super) fn parent_frame(&mut self, frame: &Dotted) -> Option<Name> {
         self.frame(frame)
     }
@@ -335,7 +333,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// Whether a name may be a frame of the signature; in the signature itself every name may.
+    /// Whether a name may be a free frame of the signature. In the signature itself every name may be one.
     fn free_frame(&mut self, name: &Name) -> bool {
         let known = self.unit.free_frames.contains(name);
         if !known && self.in_signature {
@@ -360,9 +358,11 @@ impl<'a> Body<'_, 'a> {
             let declared = program.visible(self.module, is_frame);
             let free = self.unit.free_frames.iter().map(Name::as_str);
             let near = self.c.suggest(&name, free.chain(declared));
-            let finding = Finding::new(Code::RPI1001, format!("there is no frame `{name}`"))
+            let finding = Finding::new(Code::RPI1001, format!("undefined frame `{name}`"))
                 .at(span, "not declared")
-                .help("a frame is declared by `frame`, named in the signature, or of a device");
+                .help(
+                    "declare it by `frame`, name it in the signature, or use a frame of a device",
+                );
             self.report(finding.did_you_mean(span, near));
         }
         known.then_some(name)
@@ -370,7 +370,7 @@ impl<'a> Body<'_, 'a> {
 }
 
 impl<'a> Checker<'a> {
-    /// Checks a type declaration or device type by itself.
+    /// Checks a type declaration or device type on its own.
     pub(super) fn type_alone(&mut self, id: DeclId) {
         match self.program.decl(id).kind {
             DeclKind::Type(def) => {
@@ -386,12 +386,12 @@ impl<'a> Checker<'a> {
         }
     }
 
-    /// What a declared type stands for.
+    /// Returns the type of a declaration without static arguments.
     pub(super) fn type_decl(&mut self, id: DeclId) -> Ty {
         self.type_instance(id, Rc::default())
     }
 
-    /// The same with static parameters.
+    /// Returns the type of a declaration with static arguments.
     pub(super) fn type_instance(&mut self, id: DeclId, statics: Rc<Statics>) -> Ty {
         let key = super::instance::key(id, &statics);
         match self.types.get(&key) {
@@ -405,6 +405,7 @@ impl<'a> Checker<'a> {
         if !self.may_nest("type", self.program.decl(id).span) {
             return Ty::Unknown;
         }
+        // In progress before it is resolved, so that a type that depends on itself is detected.
         self.types.insert(key.clone(), Lazy::Busy);
         self.open.push(id);
         let ty = self.nested(|checker| checker.type_def(id, statics));
@@ -428,7 +429,7 @@ impl<'a> Checker<'a> {
         ty
     }
 
-    /// Reports a declaration that needs itself, with those on the way.
+    /// Reports a dependency cycle of declarations.
     pub(super) fn in_circles(&mut self, what: &str, id: DeclId) {
         let from = self.open.iter().position(|open| *open == id).unwrap_or(0);
         let ring: Vec<_> = self.open[from..]
@@ -441,18 +442,21 @@ impl<'a> Checker<'a> {
             .map(|decl| format!("`{}` -> ", decl.name))
             .collect();
         let message = match ring.len() {
-            0 | 1 => format!("the {what} `{name}` needs itself"),
-            _ => format!("the {what} `{name}` needs itself: {}`{name}`", way.concat()),
+            0 | 1 => format!("the {what} `{name}` depends on itself"),
+            _ => format!(
+                "the {what} `{name}` depends on itself: {}`{name}`",
+                way.concat()
+            ),
         };
         let mut finding = Finding::new(Code::RPI1007, message);
         if ring.is_empty() {
             let decl = self.program.decl(id);
-            let text = format!("`{name}` is needed to know what `{name}` is");
+            let text = format!("`{name}` depends on `{name}`");
             finding = finding.at(decl.span, text);
         }
         for (k, decl) in ring.iter().enumerate() {
             let next = &ring[(k + 1) % ring.len()].name;
-            let text = format!("to know `{}`, `{next}` must be known", decl.name);
+            let text = format!("`{}` depends on `{next}`", decl.name);
             finding = match k {
                 0 => finding.at(decl.span, text),
                 _ => finding.also(decl.span, text),
@@ -481,7 +485,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// A type's name with its static arguments.
+    /// Returns the name of a type with its static arguments.
     fn type_name(&self, def: &TypeDef) -> Name {
         let params = super::statics::params(&def.statics);
         super::instance::display(self.c.program, &def.name.name, &params, &self.statics)
@@ -492,7 +496,7 @@ impl<'a> Body<'_, 'a> {
         if !is_workable(&known) {
             let finding = Finding::new(Code::RPI2009, "the struct is too large").at(
                 def.name.span,
-                "structs in it nest too deeply, or it has too many parts",
+                "too many parts, or structs nested too deeply",
             );
             self.report(finding);
             return Ty::Unknown;
@@ -529,7 +533,7 @@ impl<'a> Body<'_, 'a> {
         for decl in decls {
             let default = decl.default.as_ref().map(|value| {
                 let ty = self.ty(&decl.ty);
-                // One that is faulty, of which that has been told, is empty.
+                // An invalid default, which has been reported, is empty.
                 self.constant_of(value, &ty).unwrap_or_default()
             });
             defaults.extend(decl.names.iter().map(|_| default.clone()));
@@ -538,30 +542,30 @@ impl<'a> Body<'_, 'a> {
     }
 }
 
-/// A type parameter in a unit that stands for something without unit.
+/// Returns the diagnostic for a type parameter in a unit that is not a type of reals.
 fn no_quantity(name: &Ident, ty: &Ty) -> Finding {
     let message = match ty.to_string() == name.name.as_str() {
-        // A type parameter that is checked for all types.
+        // The body is checked for all types of this parameter.
         true => format!("`{ty}` may be a type without unit"),
         false => format!("`{}` is `{ty}` here, which has no unit", name.name),
     };
-    Finding::new(Code::RPI2003, message).at(name.span, "a type of reals is needed")
+    Finding::new(Code::RPI2003, message).at(name.span, "expected a type of reals")
 }
 
-/// The words of types of Kind 2 that are read and not run.
+/// Names of the built-in types of Kind 2.
 const FOREIGN_TYPES: &[&str] = &[
     "set", "map", "history", "int8", "int16", "int32", "int64", "uint8", "uint16", "uint32",
     "uint64", "uint", "sint",
 ];
 
-/// How the names of those begin on whose values operators are not checked.
+/// Prefixes of the names of types on whose values operators are not checked.
 pub(super) const FOREIGN: &[&str] = &["set<", "map<"];
 
 fn is_foreign_name(name: &str) -> bool {
     FOREIGN_TYPES.contains(&name)
 }
 
-/// Whether a type is one of Kind 2 whose name begins like one of these.
+/// Whether a type is a built-in type of Kind 2 whose name starts with one of these prefixes.
 pub(super) fn is_foreign(ty: &Ty, beginnings: &[&str]) -> bool {
     let Ty::Struct(of) = ty else {
         return false;
@@ -573,7 +577,7 @@ pub(super) fn is_foreign(ty: &Ty, beginnings: &[&str]) -> bool {
             .any(|beginning| of.name.starts_with(beginning))
 }
 
-/// An array with more elements than can be worked with.
+/// Returns the diagnostic for an array with too many leaves.
 pub(super) fn too_large(span: Span) -> Finding {
     Finding::new(Code::RPI2009, "the array is too large")
         .at(span, format!("more than {MAX_LEAVES} values"))

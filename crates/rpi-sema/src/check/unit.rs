@@ -1,4 +1,4 @@
-//! Units: created when first called, checked from a queue, so that depth of nesting costs no stack.
+//! Units are created at their first call and checked from a queue, so that nested calls cost no stack.
 
 use super::Checker;
 use super::body::Body;
@@ -14,20 +14,20 @@ use rpi_syntax::ast::{
 };
 use std::rc::Rc;
 
-/// The most units that a program may have: a recursion over static parameters that does not end makes more.
+/// Maximum number of units of a program. An infinite recursion over static parameters exceeds it.
 const MAX_UNITS: usize = 20_000;
 
-/// A unit on its way.
+/// Header and progress of a unit.
 pub(super) struct Entry {
     pub(super) header: Rc<Header>,
-    /// Where it is called first.
+    /// Location of the first call.
     called: Span,
-    /// How many instances lie around it, each made by the one before.
+    /// Number of nested instances around the unit: each is created while the previous one is checked.
     depth: u32,
     state: Progress,
 }
 
-/// How far a unit is.
+/// Progress of the check of a unit.
 #[derive(Clone, Copy, PartialEq, Debug)]
 enum Progress {
     Queued,
@@ -36,7 +36,7 @@ enum Progress {
 }
 
 impl<'a> Checker<'a> {
-    /// The unit of a callable; none if there are too many.
+    /// Returns the unit of a callable, and creates it at the first call; `None` if a limit is exceeded.
     pub(super) fn unit(&mut self, header: &Rc<Header>, span: Span) -> Option<UnitId> {
         let key = key(header.decl, &header.statics);
         if let Some(id) = self.unit_ids.get(&key) {
@@ -75,15 +75,15 @@ impl<'a> Checker<'a> {
         }
         let name = &self.program.decl(header.decl).name;
         let message = match depth as usize > MAX_DEPTH {
-            true => format!("instances of `{name}` need one another more than {MAX_DEPTH} deep"),
+            true => format!("recursion of `{name}` is more than {MAX_DEPTH} instances deep"),
             false => format!("`{name}` has more than {MAX_UNITS} instances"),
         };
-        let finding = Finding::new(Code::RPI1011, message).at(span, "one more is called here");
+        let finding = Finding::new(Code::RPI1011, message).at(span, "limit exceeded here");
         self.findings
-            .push(finding.help("a recursion over static parameters ends by `with`"));
+            .push(finding.help("end a recursion over static parameters by `with`"));
     }
 
-    /// The unit of a declaration that is run by itself, if it needs no static arguments.
+    /// Returns the unit of a declaration that is run on its own; `None` if it needs static arguments.
     pub(super) fn unit_alone(&mut self, id: DeclId) -> Option<UnitId> {
         let mut statics = Statics::new();
         let open = self.complete(id, &mut statics);
@@ -104,14 +104,14 @@ impl<'a> Checker<'a> {
             self.program.decl(id).kind,
             DeclKind::Node(node) if matches!(node.definition, NodeDef::Alias(_))
         );
-        // What it stands for is not known before it is called.
+        // The target of an alias is not known before it is called.
         if is_alias && header.outputs.is_empty() {
             return None;
         }
         self.unit(&header, header.span)
     }
 
-    /// Whether a value that may decide sizes is not given.
+    /// Whether a value parameter that may determine sizes has no argument.
     fn open_sizes(&mut self, id: DeclId, open: &[rpi_syntax::Name], statics: &Statics) -> bool {
         let params = self.params_of(id);
         params.iter().any(|param| match param {
@@ -122,7 +122,7 @@ impl<'a> Checker<'a> {
         })
     }
 
-    /// Whether a value that may decide sizes is not given though something reads it: without it nothing can be said.
+    /// Whether a value parameter that may determine sizes has no argument, and the signature needs it.
     pub(super) fn lacks_sizes(
         &mut self,
         id: DeclId,
@@ -135,19 +135,20 @@ impl<'a> Checker<'a> {
         header.is_some_and(|header| header.is_none())
     }
 
-    /// Checks all units that wait, and those that they call.
+    /// Checks all units in the queue, and the units that they call.
     pub(super) fn check_queued(&mut self) {
         while let Some(id) = self.queue.pop_front() {
             self.check_unit(id);
         }
     }
 
-    /// Checks a unit and all that it calls, for a constant that needs them.
+    /// Checks a unit and all units that it calls immediately, for a constant that needs them.
     pub(super) fn check_now(&mut self, id: UnitId) {
         let is_queued = |c: &Self, id: UnitId| c.entries[id.0 as usize].state == Progress::Queued;
         if !is_queued(self, id) || !self.may_nest("call", self.units[id.0 as usize].span) {
             return;
         }
+        // An explicit stack, so that a long chain of calls costs no call stack.
         let mut open = vec![id];
         while let Some(id) = open.pop() {
             if is_queued(self, id) {
@@ -157,7 +158,7 @@ impl<'a> Checker<'a> {
         }
     }
 
-    /// Whether a callable does without these of its ports: a static parameter that nothing reads need not be given.
+    /// Whether a callable reads none of these ports. A static parameter that is never read needs no argument.
     pub(super) fn reads_none(
         &mut self,
         header: &Rc<Header>,
@@ -186,7 +187,7 @@ impl<'a> Checker<'a> {
         calls.collect()
     }
 
-    /// Whether a declaration is of the standard library.
+    /// Whether a declaration belongs to the standard library.
     fn is_of_library(&self, id: DeclId) -> bool {
         let module = self.program.module(self.program.decl(id).module);
         let modules = (self.program.library.modules)();
@@ -219,7 +220,7 @@ impl<'a> Checker<'a> {
 }
 
 impl<'a> Body<'_, 'a> {
-    /// Names the call that a generic callable is checked for, beside what is wrong in it.
+    /// Adds to each error in a generic callable the call for which it is checked.
     fn say_for_whom(&mut self, header: &Header, called: Span) {
         let mut findings = std::mem::take(&mut self.findings);
         let is_error = |finding: &Finding| finding.severity() == Severity::Error;
@@ -228,7 +229,7 @@ impl<'a> Body<'_, 'a> {
         }
         let text = format!("in `{}`, called here", header.name);
         if self.c.is_of_library(header.decl) {
-            // It is without a fault: whatever is told comes of what this call gives it.
+            // The library has no errors of its own, so the arguments of this call are the cause.
             let first = findings.into_iter().find(is_error);
             self.findings
                 .extend(first.map(|first| first.because_of(called, text)));
@@ -238,7 +239,7 @@ impl<'a> Body<'_, 'a> {
             true => finding.also(called, text.clone()),
             false => finding,
         };
-        // What is wrong at a place for one call is told once, also if it is wrong otherwise for another.
+        // An error is reported for one call only, even if its message differs for another one.
         let told = &mut self.c.told_of_instances;
         let is_new = |finding: &Finding| {
             !is_error(finding) || told.insert((header.decl, finding.code, finding.span()))
@@ -249,7 +250,7 @@ impl<'a> Body<'_, 'a> {
 
     fn check_decl(&mut self, id: DeclId) {
         self.declare_ports(id);
-        // The header has reported what is wrong with the ports.
+        // The header has reported the errors in the ports.
         self.findings.clear();
         match self.c.program.decl(id).kind {
             DeclKind::Node(node) => self.check_node(node),
@@ -289,21 +290,22 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// What callers are to see of a node must be there, and nothing that is said to be elsewhere.
+    /// Reports a modifier that contradicts its declaration: a missing body or contract, or a body of an external
+    /// declaration.
     fn check_modifier(&mut self, node: &NodeDecl) {
         let has_body = matches!(node.definition, NodeDef::Body(_));
         if has_body && let Some(outside) = node.outside.word() {
             let name = &node.signature.name;
-            let message = format!("`{}` is defined outside, and has a body here", name.name);
+            let message = format!("`{}` is external but has a body", name.name);
             let finding = Finding::new(Code::RPI1014, message);
-            let finding = finding.at(name.span, format!("`{outside}`, so without a body"));
-            self.report(finding.help(format!("leave out `{outside}`, or the body")));
+            let finding = finding.at(name.span, format!("declared as `{outside}`"));
+            self.report(finding.help(format!("remove `{outside}` or the body")));
         }
         let lacks = match node.modifier {
             Modifier::Opaque if node.contract.is_none() => {
-                "a contract, for callers know nothing else of it"
+                "a contract, which is all that callers see"
             }
-            Modifier::Transparent if !has_body => "a body, for callers look into it",
+            Modifier::Transparent if !has_body => "a body, which callers see",
             _ => return,
         };
         let message = format!("`{}` lacks {lacks}", node.signature.name.name);
@@ -318,7 +320,7 @@ impl<'a> Body<'_, 'a> {
             Some((kind, node)) => {
                 let message = format!("the function `{name}` calls the {kind} `{node}`");
                 Finding::new(Code::RPI3005, message)
-                    .at(span, format!("a {kind} may remember earlier cycles"))
+                    .at(span, format!("a {kind} may have state"))
                     .help(format!("a function depends on its arguments alone: declare `{node}` as a `function`, too, or `{name}` as a `node`"))
             }
             None => Finding::new(Code::RPI3005, format!("the function `{name}` has state"))
@@ -328,7 +330,7 @@ impl<'a> Body<'_, 'a> {
         self.report(finding.also(self.unit.span, "declared as a function here"));
     }
 
-    /// The node or fragment that is called at a place.
+    /// Returns the kind and the name of the node or fragment that is called at a location.
     fn called_at(&self, span: Span) -> Option<(&'static str, rpi_syntax::Name)> {
         let mut here = self.unit.exprs.iter().filter(|expr| expr.span == span);
         here.find_map(|expr| match &expr.kind {
@@ -366,8 +368,8 @@ impl<'a> Body<'_, 'a> {
         self.check_assumptions(&assumed, &[]);
     }
 
-    /// A body and the contract that it keeps; gives what the contract assumes. In Lustre the contract does not see what
-    /// only the body knows.
+    /// Checks a body and its contract; returns the assumptions of the contract. In Lustre the contract is checked
+    /// first, because it does not see the names of the body.
     fn check_body_with(
         &mut self,
         contract: Option<&'a Contract>,
@@ -392,7 +394,7 @@ impl<'a> Body<'_, 'a> {
         assumed
     }
 
-    /// Whether the file knows the words of the robot world.
+    /// Whether the file is RPI text, not Lustre.
     pub(super) fn is_rpi(&self) -> bool {
         self.mode == rpi_syntax::Mode::Rpi
     }

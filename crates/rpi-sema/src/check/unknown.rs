@@ -1,4 +1,4 @@
-//! A name that nothing declares: misspelt, of another language, or of a module that is not used.
+//! Diagnostics for undefined names: misspelt, from another language, or from a module that is not used.
 
 use super::body::Body;
 use super::foreign;
@@ -8,17 +8,17 @@ use rpi_syntax::Name;
 use rpi_syntax::ast::Ident;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What a unit declares for itself.
+/// Kind of name that a unit declares for itself, as it appears in messages.
 pub(super) const FLOW: &str = "flow";
 
-/// What is said at a name that has a meaning for all units and that nothing resembles: see [`once_for_each_name`].
-const NOWHERE: &str = "declared nowhere";
+/// Label of an undefined name that would be global and resembles no other name: see [`once_for_each_name`].
+const NOWHERE: &str = "not declared anywhere";
 
-/// The most further places that are shown.
+/// Maximum number of further locations shown.
 const MAX_PLACES: usize = 3;
 
 impl Body<'_, '_> {
-    /// Reports that no `what` has this name; `near` is the nearest that one has.
+    /// Reports an undefined name; `what` is its kind, `near` the most similar defined name.
     pub(super) fn unknown_name(
         &mut self,
         what: &str,
@@ -34,7 +34,7 @@ impl Body<'_, '_> {
             Some(module) => Some(self.of_module_not_used(what, name, module, span)),
             None if what == FLOW || near.is_some() => Some(unknown(what, name, span, near)),
             None => {
-                let message = format!("there is no {what} `{name}`");
+                let message = format!("undefined {what} `{name}`");
                 Some(Finding::new(Code::RPI1001, message).at(span, NOWHERE))
             }
         };
@@ -43,7 +43,8 @@ impl Body<'_, '_> {
         }
     }
 
-    /// A name of a module that is there and not used. Of several the first is kept: see [`once_for_each_fix`].
+    /// Returns the diagnostic for a name of a module that is not used. Of several only the first is kept: see
+    /// [`once_for_each_fix`].
     fn of_module_not_used(
         &self,
         what: &str,
@@ -58,84 +59,91 @@ impl Body<'_, '_> {
         };
         let fix = Fix::sure(format!("use the module `{module}`"))
             .replace(start, format!("use {module};\n"));
-        Finding::new(Code::RPI1001, format!("there is no {what} `{name}` here"))
+        Finding::new(Code::RPI1001, format!("undefined {what} `{name}`"))
             .at(
                 span,
-                format!("the module `{module}` declares it, and is not used"),
+                format!("declared in the module `{module}`, which is not used"),
             )
             .fix(fix)
     }
 
-    /// Reports an unknown type.
+    /// Reports an undefined type.
     pub(super) fn unknown_type(&mut self, name: &Name, span: Span) {
         if let Some(here) = foreign::type_here(name) {
             return self.other_name("type", name, span, here);
         }
         if let Some(help) = foreign::no_type(name) {
-            let message = format!("there is no type `{name}`");
+            let message = format!("undefined type `{name}`");
             let finding =
-                Finding::new(Code::RPI1001, message).at(span, "a type of other languages");
+                Finding::new(Code::RPI1001, message).at(span, "a type of another language");
             return self.report(finding.help(help));
         }
         let near = self.near_type(name);
         self.unknown_name("type", name, span, near);
     }
 
-    /// Reports a name by which other languages know `here`.
+    /// Reports a name from another language; `here` is the name in this one.
     pub(super) fn other_name(&mut self, what: &str, name: &str, span: Span, here: &str) {
         let title = format!("write `{here}`");
         let fix = match foreign::differs_by_name(name, here) {
             true => Fix::sure(title),
             false => Fix::maybe(title),
         };
-        let finding = Finding::new(Code::RPI1001, format!("there is no {what} `{name}`"))
+        let finding = Finding::new(Code::RPI1001, format!("undefined {what} `{name}`"))
             .at(span, format!("here it is called `{here}`"))
             .fix(fix.replace(span, here));
         self.report(finding);
     }
 }
 
-/// A state that no automaton around a transition has; `near` is the nearest that one has.
+/// Returns the diagnostic for a state that no automaton around a transition has; `near` is the most similar state.
 pub(super) fn unknown_state(target: &Ident, near: Option<String>) -> Finding {
     if near.is_some() {
         return unknown("state", &target.name, target.span, near);
     }
-    let message = format!("there is no state `{}`", target.name);
+    let message = format!("undefined state `{}`", target.name);
     Finding::new(Code::RPI1001, message).at(target.span, NOWHERE)
 }
 
-/// A state that is one of another automaton.
+/// Returns the diagnostic for a transition to a state of another automaton.
 pub(super) fn state_elsewhere(target: &Ident, declared: Span) -> Finding {
     let name = &target.name;
     let message = format!("`{name}` is a state of another automaton");
     Finding::new(Code::RPI1001, message)
-        .at(target.span, "a transition leads to a state beside its own")
+        .at(
+            target.span,
+            "a transition must lead to a state of the same automaton",
+        )
         .also(declared, "declared here")
 }
 
-/// A module that is not there; `known` are those that are.
+/// Returns the diagnostic for a module that does not exist; `known` are the names of the existing modules.
 pub(crate) fn no_module<'n>(
     name: &str,
     span: Span,
     known: impl Iterator<Item = &'n str>,
 ) -> Finding {
-    Finding::new(Code::RPI1005, format!("there is no module `{name}`"))
-        .at(span, "neither in the standard library nor beside this file")
+    Finding::new(Code::RPI1005, format!("cannot find module `{name}`"))
+        .at(
+            span,
+            "neither in the standard library nor next to this file",
+        )
         .did_you_mean(span, rpi_diag::suggest(name, known))
 }
 
-/// A file that a text includes and that is not there; a text alone has none beside it.
+/// Returns the diagnostic for an included file that does not exist. `is_alone` says that the program has no files next
+/// to it.
 #[must_use]
 pub fn no_file(include: &Ident, is_alone: bool) -> Finding {
     let why = match is_alone {
-        true => "this text has no files beside it",
-        false => "there is none beside this file, or no text in it",
+        true => "this program has no files next to it",
+        false => "no such text file next to this file",
     };
-    let message = format!("there is no file `{}`", include.name);
+    let message = format!("cannot find file `{}`", include.name);
     Finding::new(Code::RPI1005, message).at(include.span, why)
 }
 
-/// Of findings that one and the same sure change mends, the first: the others follow from the same fault.
+/// Keeps the first of several diagnostics with the same single sure fix: the others follow from the same error.
 pub(super) fn once_for_each_fix(findings: &mut Vec<Finding>) {
     let mut seen: BTreeSet<(Span, String)> = BTreeSet::new();
     findings.retain(|finding| match &finding.fixes[..] {
@@ -153,7 +161,7 @@ pub(super) fn once_for_each_fix(findings: &mut Vec<Finding>) {
     });
 }
 
-/// Of findings about one name that no unit knows the first, with the places of the others: one declaration is missing.
+/// Keeps the first of several diagnostics about one undefined global name, and adds the locations of the others.
 pub(super) fn once_for_each_name(findings: &mut Vec<Finding>) {
     let mut places: BTreeMap<String, Vec<Span>> = BTreeMap::new();
     findings.retain(|finding| match &finding.labels[..] {
@@ -173,12 +181,12 @@ pub(super) fn once_for_each_name(findings: &mut Vec<Finding>) {
             continue;
         }
         for span in others.iter().take(MAX_PLACES) {
-            *finding = finding.clone().also(*span, "needed here, too");
+            *finding = finding.clone().also(*span, "also used here");
         }
         match others.len().saturating_sub(MAX_PLACES) {
             0 => {}
-            1 => finding.help.push("one more place needs it".to_owned()),
-            more => finding.help.push(format!("{more} more places need it")),
+            1 => finding.help.push("used in one more place".to_owned()),
+            more => finding.help.push(format!("used in {more} more places")),
         }
     }
 }

@@ -1,7 +1,7 @@
-//! Flows whose types nothing tells, because their equations only say that they are what others of them are.
+//! Diagnostics for flows whose types cannot be inferred, because their equations only refer to one another.
 //!
-//! `a = b; b = a` waits for itself, and that is what is reported; `z = pre z` may run, but nothing says of what type.
-//! What only follows from such flows is not mentioned.
+//! `a = b; b = a` is reported as a dependency cycle; `z = pre z` may run, but its type is unknown. Flows that only
+//! depend on such flows are not reported.
 
 use super::body::Body;
 use super::order::{Guess, State};
@@ -12,27 +12,29 @@ use rpi_net::passes::causality::{self, Read};
 use rpi_net::passes::rings::Rings;
 use std::collections::BTreeMap;
 
-/// A flow of unknown type that the equation of another reads.
+/// A read of a flow of unknown type by the equation of another flow.
 #[derive(Clone, Copy)]
 struct Link {
-    /// The equation that defines what is read.
+    /// Index of the equation that defines the flow.
     from: usize,
-    /// The equation that reads it.
+    /// Index of the equation that reads the flow.
     to: usize,
     span: Span,
-    /// Whether it is read in this very cycle, not through `pre`.
+    /// Whether the flow is read in the current cycle, not through `pre`.
     now: bool,
 }
 
 impl Body<'_, '_> {
-    /// Reports flows whose types nothing tells: first what waits for itself, which no guess mends.
+    /// Reports flows whose types cannot be inferred. Dependency cycles within one cycle come first, because no guess
+    /// resolves them.
     pub(super) fn report_unknown_types(&mut self) {
         self.report_rings(true);
         self.guess_by(Guess::Factors);
         self.report_rings(false);
     }
 
-    /// Reports knots of flows of unknown type, either those within a cycle or all: the shortest ring of each.
+    /// Reports strongly connected components of flows of unknown type: with `only_now` those within one cycle, each by
+    /// its shortest dependency cycle; otherwise one flow of each component.
     fn report_rings(&mut self, only_now: bool) {
         let equations = 0..self.pending.len();
         let open: Vec<usize> = equations.filter(|index| self.is_untold(*index)).collect();
@@ -78,7 +80,7 @@ impl Body<'_, '_> {
         pending.state == State::Guessed && pending.introduces.iter().flatten().any(is_open)
     }
 
-    /// The flows of unknown type that an equation reads.
+    /// Returns the reads of flows of unknown type in an equation.
     fn links(&mut self, index: usize) -> Vec<Link> {
         let mark = self.mark();
         self.missing.clear();
@@ -113,7 +115,7 @@ impl Body<'_, '_> {
         self.report(causality::ring(&reads));
     }
 
-    /// The name of the first flow that an equation introduces.
+    /// Returns the name of the first flow that an equation introduces.
     fn name_of(&self, index: usize) -> String {
         let flow = self.pending[index].introduces.iter().flatten().next();
         flow.map_or_else(String::new, |flow| self.unit.flow(*flow).name.to_string())
@@ -127,15 +129,16 @@ impl Body<'_, '_> {
         else {
             return;
         };
-        let finding = untold(flow, "its equation only says what it was before", "...");
+        let finding = untold(flow, "its equation only refers to earlier values", "...");
         self.report(finding);
     }
 }
 
-/// Nothing tells the type of a flow; `why` not, and how a declaration would end.
+/// Returns the diagnostic for a flow whose type cannot be inferred; `why` is the label, `ty` the type in the suggested
+/// declaration.
 pub(super) fn untold(flow: &Flow, why: &str, ty: &str) -> Finding {
     let name = &flow.name;
-    Finding::new(Code::RPI2007, format!("nothing tells the type of `{name}`"))
+    Finding::new(Code::RPI2007, format!("cannot infer the type of `{name}`"))
         .at(flow.span, why)
         .help(format!("declare it: `var {name}: {ty};` before `let`"))
 }

@@ -1,7 +1,7 @@
-//! Values with parts replaced: `(a with [2] = x; .f[i] = y)`; for Kind 2 `a[2 := x]`, `r[f := y]`.
+//! Functional updates: `(a with [2] = x; .f[i] = y)`; for Kind 2 `a[2 := x]`, `r[f := y]`.
 //!
-//! An index that is known only while the program runs is looked up in the list of all indices, so that it is checked as
-//! every other index is; each element is then the new one or the old one.
+//! An index that is known only at run time is looked up in the list of all indices, so that its bounds are checked like
+//! those of every other index. Each element of the result is then the new or the old one.
 
 use super::access::leaves;
 use super::body::Body;
@@ -15,7 +15,7 @@ use rpi_syntax::Name;
 use rpi_syntax::ast::{Access, Change, Expr, Ident, Update};
 use std::rc::Rc;
 
-/// A value, where it goes, and where that is written.
+/// A change of a value: path of the part, new value, and location.
 struct Part<'a> {
     path: &'a [Access],
     value: ExprId,
@@ -23,7 +23,7 @@ struct Part<'a> {
 }
 
 impl<'a> Body<'_, 'a> {
-    /// `(base with [2] = x; .f[1] = y)`
+    /// Checks an update `(base with [2] = x; .f[1] = y)`.
     pub(super) fn update(&mut self, update: &'a Update, span: Span) -> ExprId {
         if update.is_keyed && self.is_map_literal(&update.base) {
             return self.map_literal(update, span);
@@ -39,7 +39,7 @@ impl<'a> Body<'_, 'a> {
             .fold(base, |base, change| self.change(base, change, span))
     }
 
-    /// `map[1 := x]` of Kind 2: a map with these values and no other.
+    /// Whether `map[1 := x]` of Kind 2 is a map literal: `map` is not a flow or static parameter.
     fn is_map_literal(&self, base: &Expr) -> bool {
         let is_free =
             |name: &Name| self.find_local(name).is_none() && !self.statics.contains_key(name);
@@ -58,7 +58,7 @@ impl<'a> Body<'_, 'a> {
         self.fault(span)
     }
 
-    /// `base[key := value]`: of a struct the key is the name of a field.
+    /// Checks an update `base[key := value]` of Kind 2; in a struct the key is the name of a field.
     fn keyed(&mut self, base: ExprId, change: &'a Change, span: Span) -> ExprId {
         let ty = self.ty_of(base).clone();
         let field = match (&change.path[..], &ty) {
@@ -105,7 +105,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// A value with a part replaced; none after a fault that has been reported.
+    /// Returns a value with the part at a path replaced; `None` after a reported error.
     fn changed(&mut self, base: ExprId, part: &Part<'a>) -> Option<ExprId> {
         let ty = self.ty_of(base).clone();
         let Some((first, rest)) = part.path.split_first() else {
@@ -145,7 +145,7 @@ impl<'a> Body<'_, 'a> {
         self.replaced(base, at, inner, &inside)
     }
 
-    /// A value whose part at a known place is another.
+    /// Returns a value with the part at a known leaf index replaced.
     fn replaced(&mut self, base: ExprId, at: u32, inner: Ty, inside: &Part<'a>) -> Option<ExprId> {
         let ty = self.ty_of(base).clone();
         let value = match inside.path {
@@ -161,12 +161,13 @@ impl<'a> Body<'_, 'a> {
         Some(self.add(Kind::Replace { base, at, value }, ty, inside.span))
     }
 
-    /// An array whose element at an index that changes is another.
+    /// Returns an array with the element at a run-time index replaced.
     fn changed_at(&mut self, base: ExprId, at: ExprId, inside: &Part<'a>) -> Option<ExprId> {
         let span = inside.span;
         let Ty::Array(element, n) = self.ty_of(base).clone() else {
             return None;
         };
+        // An empty array has no element to replace, whatever the index.
         self.in_bounds(0, n, span)?;
         let numbers: Vec<ExprId> = (0..n).map(|k| self.number_of(k, span)).collect();
         let all = self.add_array(
@@ -197,8 +198,8 @@ impl<'a> Body<'_, 'a> {
         Some(self.add_array(Kind::Build(elements.into()), element, n, span))
     }
 
-    /// The second of two values if two integers are equal, else the first. No `if`: the new value is computed once, for
-    /// all elements, and not only where it is chosen.
+    /// Selects the second of two values if two integers are equal, else the first. An `if` would compute the new value
+    /// only where it is chosen; here it is computed once for all elements.
     fn either(&mut self, operands: [ExprId; 2], values: [ExprId; 2], span: Span) -> ExprId {
         let negated = false;
         let is_it = self.add(Kind::Equal { operands, negated }, Ty::Bool, span);

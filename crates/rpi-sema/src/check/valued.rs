@@ -1,4 +1,4 @@
-//! Types of values: a device is none. It is a parameter, of which the ports have values.
+//! Types of values. A device is not one: it is a parameter whose ports have values.
 
 use super::body::Body;
 use super::report::not_a;
@@ -8,9 +8,9 @@ use rpi_diag::Span;
 use rpi_syntax::ast::{Type, TypeKind};
 
 impl<'a> Body<'_, 'a> {
-    /// The type of something that has a value; of a device that is told.
+    /// Resolves the type of a value; reports a device.
     pub(super) fn value_ty(&mut self, ty: &'a Type) -> Ty {
-        // Told by its name alone: what a device is may need this very type.
+        // Recognised by its name alone: the declaration of the device may need this very type.
         if let Some(device) = self.named_device(ty) {
             let declared = self.c.program.decl(device);
             return self.device_as_value(&declared.name, ty.span, declared.span);
@@ -42,4 +42,5 @@ impl<'a> Body<'_, 'a> {
     }
 }
 
-const HELP: &str = "a device is a parameter of a command, fragment or node: `command C (arm: Arm)`";
+const HELP: &str =
+    "declare a device as a parameter of a command, fragment or node: `command C (arm: Arm)`";

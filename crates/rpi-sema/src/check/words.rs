@@ -1,18 +1,18 @@
-//! Names that are there without a declaration, as others list them: editors, documentation.
+//! Predeclared names, listed for editors and documentation.
 
 use super::names::PREDECLARED;
 use super::parts::SPATIAL_PARTS;
 use crate::ty::Ty;
 use rpi_image::Scalar;
 
-/// The predeclared flows: name, registered name of the primitive, type.
+/// Returns the predeclared flows: name, registered name of the primitive, type.
 pub(crate) fn predeclared() -> impl Iterator<Item = (&'static str, &'static str, &'static Ty)> {
     PREDECLARED
         .iter()
         .map(|flow| (flow.name, flow.prim.desc().name, &flow.ty))
 }
 
-/// The names of the operators that are written as calls.
+/// Returns the names of the predeclared operators in call syntax.
 #[cfg(test)]
 pub(crate) fn operator_names() -> impl Iterator<Item = &'static str> {
     let specials = super::special::SPECIALS
@@ -21,7 +21,7 @@ pub(crate) fn operator_names() -> impl Iterator<Item = &'static str> {
     specials.chain(super::iterate::NAMES.iter().copied())
 }
 
-/// The parts of a spatial value that are read by name.
+/// Returns the names of the parts of a spatial type.
 pub(crate) fn spatial_parts(scalar: Scalar) -> impl Iterator<Item = &'static str> {
     let parts = SPATIAL_PARTS.iter().filter(move |part| part.0 == scalar);
     parts.map(|part| part.1)

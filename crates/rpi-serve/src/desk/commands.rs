@@ -1,4 +1,4 @@
-//! Commands: loaded, started, asked to end, set, unloaded.
+//! Commands: load, start, cancel, abort, set, unload.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -18,59 +18,59 @@ use super::types::shortened;
 use super::watch::Subscription;
 use super::{Desk, Failure, Phase, Reply, Status, Then, answer, number_of};
 
-/// What the desk knows about a command.
+/// State of a command in the server.
 pub(crate) struct Record {
-    /// Its name in the core, once it is on its way there.
+    /// Id in the core, once the command is on its way there.
     pub(crate) id: Option<CommandId>,
     pub(crate) session: u64,
-    /// What its owner calls it.
+    /// Title chosen by the owner, for display.
     pub(crate) title: String,
-    /// The task that it is part of.
+    /// Number of the task that the command is part of.
     pub(super) task: Option<u64>,
-    /// What it was loaded from; nothing for a command of a task.
+    /// Source of the command; `None` for a command of a task.
     pub(crate) origin: Option<Origin>,
-    /// The text that it was made of.
+    /// Source text, also for a command of a task.
     pub(super) text: Option<Arc<str>>,
-    /// Inputs that are taken over when it starts; those that were set are not needed any more.
+    /// Inputs that are taken over when the command starts. An input that was set is no longer needed.
     pub(super) given: Vec<Given>,
     pub(crate) status: Status,
     pub(crate) image: Option<Arc<Image>>,
     pub(super) board: Option<Arc<Board>>,
     pub(super) subscriptions: Vec<Subscription>,
-    /// For which reasons its exported Booleans can be true.
+    /// For each exported Boolean, the conditions under which it can be true.
     pub(super) reasons: Reasons,
-    /// The results by which it ends: its session has made rules that stop it when one of them is up.
+    /// Keys of the results that end the command: its session has made rules that stop it when one of them is true.
     pub(super) ends_by: Vec<String>,
-    /// The one of them that is told to be up since another has taken over.
+    /// Key of the result that is reported as true because another command has taken over.
     pub(super) completed: Option<String>,
-    /// Until when its values are held back from those who need the order of things.
+    /// Until when values are withheld from subscribers that depend on the order of updates.
     pub(super) held: Option<std::time::Instant>,
-    /// Whoever waits for it to be loaded.
+    /// Callback for the result of loading.
     pub(super) loading: Option<Reply>,
-    /// It only lives for one cycle.
+    /// Present if the command runs for a single cycle.
     pub(super) eval: Option<Eval>,
-    /// Nobody will look at it once it has ended.
+    /// Whether the command is to be unloaded once it has ended.
     pub(super) unload_at_end: bool,
-    /// Bytes that it takes.
+    /// Memory of the command in bytes.
     pub(super) bytes: usize,
 }
 
-/// What is to be loaded.
+/// A request to load a command or task.
 pub(crate) struct Load<'a> {
     pub(crate) session: &'a str,
     pub(crate) title: &'a str,
     pub(crate) language: Language,
     pub(crate) text: &'a str,
-    /// Which command of the text, if there are several.
+    /// Name of the command or task within the text; `None` if there is only one.
     pub(crate) command: Option<&'a str>,
-    /// Nanoseconds; 0 for that of the tick.
+    /// Period in nanoseconds; 0 for one tick.
     pub(crate) period_ns: u64,
-    /// What becomes of it if its cycles take too long, where that is not as usual.
+    /// Policy for cycles that take too long; `None` for the server's default.
     pub(crate) on_overrun: Option<OnOverrun>,
 }
 
 impl Desk {
-    /// Loads a command beside the cycle; the reply has its name.
+    /// Loads a command on the loader thread. The reply has its name.
     pub(crate) fn load(&mut self, load: &Load<'_>, reply: Reply) {
         match self.session(load.session) {
             Ok(session) => self.load_for(session, load, None, reply),
@@ -115,7 +115,7 @@ impl Desk {
         self.send(job);
     }
 
-    /// The period in which a command runs: whole ticks, at least one.
+    /// Rounds a period up to whole ticks, at least one.
     pub(crate) fn period(&self, wanted_ns: u64) -> u64 {
         let ticks = wanted_ns.div_ceil(self.tick_ns).max(1);
         ticks.saturating_mul(self.tick_ns)
@@ -124,11 +124,11 @@ impl Desk {
     pub(super) fn send(&mut self, job: Job) {
         let number = job.number;
         if !self.jobs.push(job) {
-            self.reject(number, Failure::Limit("loads that wait, of one client"));
+            self.reject(number, Failure::Limit("queued loads of one client"));
         }
     }
 
-    /// Loading is done: the command goes to the cycle, or its owner hears why not.
+    /// Called when loading is finished: inserts the command into the core, or reports why it failed.
     pub(super) fn loaded(&mut self, job: Job, loaded: Result<Made, Vec<String>>) {
         let generation = self.generation();
         let loaded = match loaded {
@@ -141,13 +141,14 @@ impl Desk {
         };
         match loaded {
             Err(reasons) => self.reject(job.number, Failure::Rejected(reasons)),
-            // Devices have come or gone meanwhile: its names are looked up again.
+            // Devices were added or removed meanwhile, so the device names must be resolved again.
             Ok(loaded) if loaded.generation != generation => self.send(job),
             Ok(loaded) => self.insert(job.number, loaded),
         }
     }
 
     fn insert(&mut self, number: u64, loaded: Loaded) {
+        // The command may have been removed with its session while it was being compiled.
         if !self.commands.contains_key(&number) {
             return;
         }
@@ -189,7 +190,7 @@ impl Desk {
         self.asked(Ok(ticket), Then::Inserted(number), reply);
     }
 
-    /// Loading has failed: the command is no more.
+    /// Removes a command whose loading failed and reports the error.
     pub(super) fn reject(&mut self, number: u64, why: Failure) {
         if self.tasks.contains_key(&number) {
             return self.reject_task(number, why);
@@ -204,32 +205,32 @@ impl Desk {
         }
     }
 
-    /// A command by its name.
+    /// Returns a command and its number by name.
     pub(crate) fn find(&self, name: &str) -> Result<(u64, &Record), Failure> {
         let number = number_of(name, 'n');
         let found = number.and_then(|n| Some((n, self.commands.get(&n)?)));
         found.ok_or_else(|| Failure::Unknown(format!("command {name}")))
     }
 
-    /// What a command may take of a tick at most, nanoseconds, once it is loaded.
+    /// Returns the upper bound on the command's time per tick in nanoseconds, once it is loaded.
     pub(crate) fn bound_ns(&self, record: &Record) -> Option<u64> {
         Some(self.control.bound_ns(record.id?))
     }
 
-    /// All commands by their names.
+    /// Returns all commands with their names, except those for a single cycle.
     pub(crate) fn commands(&self) -> impl Iterator<Item = (String, &Record)> {
         let commands = self.commands.iter().filter(|(_, r)| r.eval.is_none());
         commands.map(|(number, record)| (format!("n{number}"), record))
     }
 
-    /// The name that a command has in the core.
+    /// Returns the id of a command in the core.
     pub(super) fn core_id(&self, name: &str) -> Result<CommandId, Failure> {
         let (_, record) = self.find(name)?;
         let loading = || Failure::Bad(format!("{name} is still being loaded"));
         record.id.ok_or_else(loading)
     }
 
-    /// Asks something of a command by its name.
+    /// Sends a request about a command to the cycle.
     fn ask(
         &mut self,
         name: &str,
@@ -253,7 +254,8 @@ impl Desk {
         }
     }
 
-    /// Fails if a command needs values that nobody has given: one that is started by request follows none.
+    /// Returns an error if a required input has no value: a command that is started by request has no predecessor to
+    /// take it from.
     fn has_all(&self, name: &str) -> Result<(), Failure> {
         let (_, record) = self.find(name)?;
         let needed = record.given.iter().filter(|given| given.is_needed);
@@ -262,23 +264,23 @@ impl Desk {
         match needed.is_empty() || !waits {
             true => Ok(()),
             false => Err(Failure::Bad(format!(
-                "{name} takes {} over, and follows no command that hands it over: set it first (`command.set`), or schedule it after one that exports it",
+                "{name} takes over {} but has no predecessor; set it (`command.set`) or schedule {name} after a command",
                 needed.join(", ")
             ))),
         }
     }
 
-    /// Asks a command to end.
+    /// Cancels a command.
     pub(crate) fn cancel(&mut self, name: &str, reply: Reply) {
         self.ask(name, Control::cancel, reply);
     }
 
-    /// Ends a command by force.
+    /// Aborts a command.
     pub(crate) fn abort(&mut self, name: &str, reply: Reply) {
         self.ask(name, |c, id| c.abort(id, Why::Request), reply);
     }
 
-    /// Unloads a command; one that runs is unloaded as soon as it has ended.
+    /// Unloads a command. A running one is unloaded as soon as it has ended.
     pub(crate) fn unload(&mut self, name: &str, reply: Reply) {
         let found = self.find(name).map(|(n, record)| (n, record.status.phase));
         match found {
@@ -291,7 +293,7 @@ impl Desk {
         }
     }
 
-    /// Sets inputs of commands, all between the same two cycles, or none.
+    /// Sets inputs of commands, either all of them between the same two cycles or none.
     pub(crate) fn set(&mut self, values: &[(&str, &str, &str)], reply: Reply) {
         let may = self.may_ask().and_then(|()| self.may_set(values.len()));
         match may.and_then(|()| self.settings(values)) {
@@ -305,15 +307,15 @@ impl Desk {
         }
     }
 
-    /// Fails if more is to be set at once than there is time for.
+    /// Returns an error if `count` values are too many for one request.
     pub(crate) fn may_set(&self, count: usize) -> Result<(), Failure> {
         match count > self.limits.values {
-            true => Err(Failure::Limit("values that are set at once")),
+            true => Err(Failure::Limit("values in one request")),
             false => Ok(()),
         }
     }
 
-    /// What is to be set, each input once: whoever says it twice means what comes last.
+    /// Converts values to settings with one setting per input. The last value of an input wins.
     fn settings(&self, values: &[(&str, &str, &str)]) -> Result<Vec<Setting>, Failure> {
         let mut settings: BTreeMap<(CommandId, usize), Setting> = BTreeMap::new();
         let mut cells = 0;
@@ -327,7 +329,7 @@ impl Desk {
         Ok(settings.into_values().collect())
     }
 
-    /// What was set is given.
+    /// Marks an input as no longer needed.
     fn note_given(&mut self, (name, key, _): &(&str, &str, &str)) {
         let number = self.find(name).map(|(number, _)| number);
         let record = number.ok().and_then(|n| self.commands.get_mut(&n));
@@ -343,7 +345,7 @@ impl Desk {
         let is_taken = record.given.iter().any(|given| given.key == *key);
         if is_taken && !waits.contains(&record.status.phase) {
             return Err(Failure::Bad(format!(
-                "{key} of {name} is taken over when it starts, and cannot be set any more"
+                "{key} of {name} is taken over at its start; it cannot be set any more"
             )));
         }
         let inputs = record.image.as_ref().map_or(&[][..], |i| &i.inputs);
@@ -357,7 +359,7 @@ impl Desk {
     }
 }
 
-/// A name, with what its owner calls it.
+/// Returns a name with its title for display.
 pub(super) fn called(name: &str, title: &str) -> String {
     match title {
         "" => name.to_owned(),
@@ -366,19 +368,19 @@ pub(super) fn called(name: &str, title: &str) -> String {
 }
 
 impl Load<'_> {
-    /// Bytes of it that are kept.
+    /// Returns the number of bytes of the text that are kept.
     pub(super) fn bytes(&self) -> usize {
         self.text.len() + self.command.map_or(0, str::len)
     }
 }
 
 impl Record {
-    /// What it is called in the log: its name, and what its owner calls it.
+    /// Returns the name and title of the command for the log.
     pub(super) fn called(&self, number: u64) -> String {
         called(&format!("n{number}"), &self.title)
     }
 
-    /// A command of which nothing more is known yet.
+    /// Creates the state of a command that is not loaded yet.
     pub(super) fn new(session: u64, title: &str, phase: Phase) -> Record {
         Record {
             id: None,
@@ -406,13 +408,13 @@ impl Record {
 
 fn cells(input: &InputPort, text: &str) -> Result<Box<[u64]>, Failure> {
     let ty = input.value.ty;
-    let bad = |why: String| Failure::Bad(format!("`{text}` is no {ty}: {why}"));
+    let bad = |why: String| Failure::Bad(format!("`{text}` is not of type {ty}: {why}"));
     let value = literal::read(text, ty).map_err(|e| bad(e.to_string()))?;
-    let value = value.ok_or_else(|| bad("an input needs a value".to_owned()))?;
+    let value = value.ok_or_else(|| bad("an input must have a value".to_owned()))?;
     Ok(value.cells().into())
 }
 
-/// The names of the results by which a command can end.
+/// Returns the names of the results by which a command can end.
 pub(crate) fn results(image: &Image) -> Vec<&str> {
     match &image.end {
         End::Results(results) => results.iter().map(|r| r.name.as_str()).collect(),
@@ -420,7 +422,7 @@ pub(crate) fn results(image: &Image) -> Vec<&str> {
     }
 }
 
-/// Whether a command has ended in motion, which its successor has gone on with.
+/// Returns whether a command has ended in motion by `yield` and its successor has continued the motion.
 pub(super) fn yields(image: &Image, ending: &Ending) -> bool {
     let (Cause::Result(k), End::Results(results)) = (ending.cause, &image.end) else {
         return false;

@@ -1,9 +1,10 @@
-//! Which of a net's results says that its way was gone to the end.
+//! Finds the result of a net that means completion of its motion.
 //!
-//! The reference system's client waits for that result even if a successor took over and the net could not publish it any
-//! more. It names the results that end a net, by rules which stop the net when one of them is up, but does not say which of
-//! them means what. The net shows it: completed and cancelled are true for the same reasons, one while nobody has asked the
-//! net to end, the other once somebody has. An error has no such twin.
+//! When a successor takes over, the net cannot publish its results any more, but the reference system's client still
+//! waits for the one that means completion. The client names the results that end a net, by rules that stop the net
+//! when one of them is true, but not their meanings. The net itself shows it: the results "completed" and "cancelled"
+//! have the same condition, except that one requires that the net was not cancelled and the other one that it was. An
+//! error result has no such counterpart.
 
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -15,21 +16,21 @@ use rpi_net::{Net, Node};
 
 use super::{Desk, Phase, Record};
 
-/// What is known of the Boolean exports of a net.
+/// For each Boolean export of a net, the conjunction of flows under which it is true.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Reasons(BTreeMap<String, Conjunction>);
 
-/// What nothing can be said about, and why.
+/// Reason why the completion result cannot be determined.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Unclear {
-    /// Several pairs of results differ in nothing but the cancel.
+    /// Several pairs of results differ only in the cancel flag.
     Several,
-    /// None do, and there is more than one result, or it is the one for a cancel.
+    /// No pair does, and there is no single result that could mean completion.
     None,
 }
 
 impl Reasons {
-    /// The reasons for which each Boolean that a net exports can be true; those that never are have none.
+    /// Analyses the Boolean exports of a net. An export that is never true has no entry.
     pub(super) fn of(net: &Net) -> Reasons {
         let exports = net.nodes.iter().filter(|n| n.desc().role == Role::Export);
         let reason = |node: &Node| {
@@ -40,11 +41,10 @@ impl Reasons {
         Reasons(exports.filter_map(reason).collect())
     }
 
-    /// The one of the results which end a net by which it says that its way is gone: to its end, or to where it has come to
-    /// rest after it was asked to end.
+    /// Returns the result among `results` that means completion, or, if `cancelled`, completion of the cancellation.
     ///
     /// # Errors
-    /// If it cannot be told from the others.
+    /// If the result cannot be determined.
     pub(super) fn completion<'a>(
         &self,
         results: &[&'a str],
@@ -57,7 +57,8 @@ impl Reasons {
         match (pairs.next(), pairs.next(), results) {
             (Some(only), None, _) => Ok(only),
             (Some(_), Some(_), _) => Err(Unclear::Several),
-            // Without support for a cancel there is no twin; an error never stands alone.
+            // A net without support for cancelling has no pair. Then a single result means completion, as an error
+            // result never comes alone.
             (None, _, [only]) if self.0.get(*only).is_some_and(|r| r.cancelled.is_none()) => {
                 Ok(only)
             }
@@ -65,7 +66,8 @@ impl Reasons {
         }
     }
 
-    /// Whether two results are true for the same reasons, the first while the net was not asked to end, the second after.
+    /// Returns whether two results have the same condition, except that the net was not cancelled for the first one and
+    /// was for the second one.
     fn are_twins(&self, completed: &str, cancelled: &str) -> bool {
         let (Some(a), Some(b)) = (self.0.get(completed), self.0.get(cancelled)) else {
             return false;
@@ -80,16 +82,16 @@ fn is_boolean(node: &Node) -> bool {
 }
 
 impl Desk {
-    /// A rule has fired. Looks up which of the results of what it has stopped in favour of a successor says that this is
-    /// complete.
+    /// Called when a rule has fired: determines the completion result of each command that it stopped in favour of a
+    /// successor.
     pub(super) fn note_takeover(&mut self, rule: RuleId) {
         for command in self.stopped_by(rule) {
             let Some(record) = self.record_of(command) else {
                 continue;
             };
             let how = match record.complete() {
-                Some(Ok(key)) => format!("and is told to be complete ({key})"),
-                Some(Err(why)) => format!("and is not told to be complete: {why}"),
+                Some(Ok(key)) => format!("and is reported as complete ({key})"),
+                Some(Err(why)) => format!("and is not reported as complete: {why}"),
                 None => continue,
             };
             let line = format!("{} was taken over, {how}", record.title);
@@ -97,8 +99,8 @@ impl Desk {
         }
     }
 
-    /// Tells these results: that all of them are up, then that they are what they were. Whoever waits for one has seen it;
-    /// whoever looks later does not take it for a result that could still be followed.
+    /// Reports the completion results of the stopped commands: first as true, then as false again. A waiting client
+    /// sees the change, and a later one does not take it for a result that a rule could still use.
     pub(super) fn tell_completions(&mut self, rule: RuleId) {
         let stopped = self.stopped_by(rule);
         for value in [true, false] {
@@ -114,7 +116,8 @@ impl Desk {
         }
     }
 
-    /// Whether nobody can be told yet that a rule has fired: what it has stopped is not yet known to run.
+    /// Returns whether the firing of a rule cannot be reported yet, because a command that it stopped is not known to
+    /// have run.
     pub(super) fn is_early(&self, rule: RuleId) -> bool {
         let now = Instant::now();
         self.stopped_by(rule).iter().any(|command| {
@@ -124,7 +127,7 @@ impl Desk {
         })
     }
 
-    /// What a rule stops if it also starts something.
+    /// Returns the commands that a rule stops, if it also starts one.
     fn stopped_by(&self, rule: RuleId) -> Vec<CommandId> {
         let rule = self.rules.get(&rule).filter(|r| r.takes_over());
         rule.map(|r| r.stop.clone()).unwrap_or_default()
@@ -132,7 +135,8 @@ impl Desk {
 }
 
 impl Record {
-    /// Another has taken over: looks up by which result that is told, unless one that ends it is up anyway.
+    /// Determines the completion result after a takeover. Returns `None` if one of the results that end the command is
+    /// true anyway.
     fn complete(&mut self) -> Option<Result<String, Unclear>> {
         let cancelled = match self.status.phase {
             Phase::Is(State::Running) => false,
@@ -156,8 +160,8 @@ impl Record {
 impl std::fmt::Display for Unclear {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(match self {
-            Unclear::Several => "several of its results differ in nothing but the cancel",
-            Unclear::None => "none of its results has one for a cancel beside it",
+            Unclear::Several => "several of its results differ only in the cancel flag",
+            Unclear::None => "none of its results has a counterpart for cancellation",
         })
     }
 }
@@ -167,7 +171,7 @@ mod tests {
     use super::super::loader::{Language, Origin};
     use super::*;
 
-    /// Exports of a net with the flows `c` (cancelled), `n` (not), `d` and `e` (from outside).
+    /// Analyses a net with these exports and the flows `c` (cancelled), `n` (not cancelled), `d` and `e` (inputs).
     fn reasons(exports: &[(&str, &str)]) -> Reasons {
         let mut text = "{c=Cancel(),n=Core::BooleanNot(inValue=c.outCancel),\
             d=Core::BooleanNetcommIn(Key='d'),e=Core::BooleanNetcommIn(Key='e'),\
@@ -195,7 +199,7 @@ mod tests {
             ("_3", "nd.outValue"),
             ("_4", "e.outValue"),
         ]);
-        // The second is for a takeover: no rule ends the net by it. The fourth is an error.
+        // `_2` is for a takeover and ends the net by no rule. `_4` is an error.
         let results = ["_4", "_3", "_1"];
         assert_eq!(motion.completion(&results, false), Ok("_3"));
         assert_eq!(motion.completion(&results, true), Ok("_1"));

@@ -1,4 +1,4 @@
-//! Devices: those of the cell, and simulated ones that clients make and remove while commands run.
+//! Devices: those of the cell, and simulated ones that clients add and remove while commands run.
 
 use std::collections::BTreeMap;
 use std::sync::PoisonError;
@@ -15,14 +15,14 @@ use super::{Desk, DeviceInfo, Failure, Phase, Reply, Sink, Then, Update};
 use crate::fair::Taken;
 use crate::peer::Peer;
 
-/// The devices by place, and who is told about them.
+/// The devices by slot, and the subscribers to changes.
 pub(super) struct Devices {
     places: Vec<Option<DeviceInfo>>,
-    /// Where those come from who have made devices, by place: it does not end with its maker.
+    /// Peer of the client that added the device in each slot. A device outlives the connection of its client.
     makers: Vec<Option<Peer>>,
     pub(super) watchers: Vec<Box<dyn Sink>>,
     seed: u64,
-    /// The first so many are those of the cell: clients cannot remove them.
+    /// Number of devices of the cell, which come first. Clients cannot remove them.
     own: usize,
 }
 
@@ -43,24 +43,24 @@ impl Devices {
         }
     }
 
-    /// Whether any of them moves.
+    /// Returns whether any device moves.
     pub(super) fn move_still(&self) -> bool {
         self.places.iter().flatten().any(|info| info.moving)
     }
 
-    /// The device that an actuator is part of: its place stands in the high half.
+    /// Returns the name of the device of an actuator. The upper 16 bits of `resource` are the device slot.
     pub(super) fn name(&self, resource: u32) -> String {
         let info = self.places.get((resource >> 16) as usize);
         let info = info.and_then(Option::as_ref);
         info.map_or_else(|| "a device".to_owned(), |info| info.name.clone())
     }
 
-    /// What people call an actuator.
+    /// Returns the display name of an actuator: device and index.
     pub(super) fn actuator(&self, resource: u32) -> String {
         format!("{}[{}]", self.name(resource), resource & 0xffff)
     }
 
-    /// A free place for somebody, who has no more of them than a share.
+    /// Returns a free slot for a device of this peer, or an error if its share is used up.
     fn place_for(&self, peer: Peer) -> Result<usize, Failure> {
         let made = self.places.iter().zip(&self.makers).skip(self.own);
         let made = made.filter(|(device, _)| device.is_some());
@@ -78,13 +78,13 @@ impl Devices {
     }
 }
 
-/// What there are so many of.
+/// Name of the device limit in messages.
 const DEVICES: &str = "devices";
 
-/// What stands in no name of a device: texts of the protocols, and pages, set names off by these.
+/// Characters that are not allowed in a device name, because protocols and pages use them as delimiters.
 const SET_OFF: &[char] = &['"', '\\', '<', '>'];
 
-/// What can be said of a simulated device; clients of the reference system say more.
+/// Parameters of a simulated device that are used. Clients of the reference system send further ones.
 pub(crate) const PARAMETERS: [&str; 5] = [
     "link_lengths",
     "min_joint",
@@ -93,10 +93,10 @@ pub(crate) const PARAMETERS: [&str; 5] = [
     "max_acc",
 ];
 
-/// A device that a client wants to have.
+/// A request to add a device.
 #[derive(Debug)]
 pub(crate) struct NewDevice<'a> {
-    /// Where the client comes from.
+    /// Peer of the client.
     pub(crate) peer: Peer,
     pub(crate) name: &'a str,
     pub(crate) kind: &'a str,
@@ -104,12 +104,12 @@ pub(crate) struct NewDevice<'a> {
 }
 
 impl Desk {
-    /// All devices.
+    /// Returns all devices.
     pub(crate) fn devices(&self) -> impl Iterator<Item = &DeviceInfo> {
         self.devices.places.iter().flatten()
     }
 
-    /// Tells somebody about all devices, and about those that come and go.
+    /// Subscribes to devices: reports all of them now, and changes later.
     pub(crate) fn watch_devices(&mut self, mut sink: Box<dyn Sink>) {
         let mut there = self.devices.places.iter().flatten();
         if there.all(|info| sink.tell(&Update::DeviceAdded(info))) {
@@ -122,7 +122,7 @@ impl Desk {
         twin.generation
     }
 
-    /// Makes a simulated device. One of the same name and type is left as it is.
+    /// Adds a simulated device. A device of the same name and type is kept as it is.
     pub(crate) fn add_device(&mut self, new: &NewDevice<'_>, reply: Reply) {
         if let Some(place) = self.devices.find(new.name) {
             let same = self.devices.places[place]
@@ -131,7 +131,7 @@ impl Desk {
             return reply(match same {
                 true => Ok(new.name.to_owned()),
                 false => Err(Failure::Bad(format!(
-                    "there is another device {}",
+                    "a device {} of another type exists already",
                     new.name
                 ))),
             });
@@ -151,7 +151,7 @@ impl Desk {
         }
     }
 
-    /// Fails if a device cannot have this name: pages, messages and the log show it as it is.
+    /// Returns an error if the name is not allowed. It is shown unescaped in pages, messages and the log.
     fn may_be_named(&self, name: &str) -> Result<(), Failure> {
         if name.len() > self.limits.name {
             return Err(Failure::Limit("bytes of a name"));
@@ -159,7 +159,7 @@ impl Desk {
         let is_bad = |c: char| c.is_control() || SET_OFF.contains(&c);
         match name.trim().is_empty() || name.contains(is_bad) {
             true => Err(Failure::Bad(format!(
-                "{name:?} is no name of a device: it is not blank, on one line, and without quotes, `\\`, `<` and `>`"
+                "{name:?} is not a device name: it must not be blank or contain line breaks, quotes, `\\`, `<` or `>`"
             ))),
             false => Ok(()),
         }
@@ -168,6 +168,7 @@ impl Desk {
     fn put(&mut self, place: usize, spec: &DeviceSpec, kind: &str, reply: Reply) {
         let tick = self.tick_ns as f64 * 1e-9;
         let part = || Part::new(spec, tick, self.devices.seed, place);
+        // Two equal parts: one for the cycle, one for resolving names outside of it.
         let (own, twins) = (part(), part());
         self.change_twin(place, Some(twins));
         let info = info(spec, kind);
@@ -178,7 +179,7 @@ impl Desk {
         }
     }
 
-    /// The cycle has not heard of a change: it is taken back.
+    /// Undoes a change that could not be sent to the cycle.
     fn unchanged(&mut self, place: usize) {
         self.change_twin(place, None);
         self.devices.places[place] = None;
@@ -190,9 +191,9 @@ impl Desk {
         twin.generation += 1;
     }
 
-    /// Removes a device that a client has made and that nobody needs any more; commands that have ended with it are unloaded first.
+    /// Removes a device that was added by a client and is not in use. Ended commands that used it are unloaded first.
     pub(crate) fn remove_device(&mut self, name: &str, reply: Reply) {
-        // What was unloaded a moment ago does not hold it.
+        // Processes events first, so that commands unloaded a moment ago do not count as users.
         self.keep();
         let found = self.may_ask().and_then(|()| self.removable(name));
         let (place, ended) = match found {
@@ -205,7 +206,7 @@ impl Desk {
             if let Some(record) = self.commands.get(&number) {
                 let called = record.called(number);
                 self.journal.note(format_args!(
-                    "{called} is unloaded, as device {name} is removed"
+                    "{called} is unloaded because device {name} is removed"
                 ));
             }
             self.owe(number, Debt::Unload);
@@ -215,7 +216,7 @@ impl Desk {
         self.asked(ticket, then, Some(reply));
     }
 
-    /// The place of a device that may be removed, and the commands that have ended with it.
+    /// Returns the slot of a removable device and the ended commands that used it.
     fn removable(&self, name: &str) -> Result<(usize, Vec<u64>), Failure> {
         let unknown = || Failure::Unknown(format!("device {name}"));
         let place = self.devices.find(name).ok_or_else(unknown)?;
@@ -240,11 +241,11 @@ impl Desk {
     pub(super) fn device_there(&mut self, info: DeviceInfo) -> String {
         self.tell_of_devices(&Update::DeviceAdded(&info));
         let name = &info.name;
-        self.journal.note(format_args!("device {name} is there"));
+        self.journal.note(format_args!("device {name} was added"));
         info.name
     }
 
-    /// Something is wrong with the device in a place, or is so no longer; it begins to move, or stands still.
+    /// Called when the error code of the device in a slot changes, or when the device starts or stops moving.
     pub(super) fn device_changed(&mut self, place: usize, code: i64, moving: bool) {
         let places = &mut self.devices.places;
         let Some(Some(info)) = places.get_mut(place) else {
@@ -265,12 +266,12 @@ impl Desk {
 
     pub(super) fn device_gone(&mut self, name: &str) {
         self.tell_of_devices(&Update::DeviceRemoved(name));
-        self.journal.note(format_args!("device {name} is removed"));
+        self.journal.note(format_args!("device {name} was removed"));
     }
 }
 
 impl super::Record {
-    /// True if it reads, sets or asks a device.
+    /// Returns whether the command uses the device as a sensor, an actuator or in a function.
     fn uses(&self, device: &str) -> bool {
         self.image.as_ref().is_some_and(|image| {
             let sensors = image.sensors.iter().map(|s| &s.port);
@@ -292,7 +293,7 @@ fn kind_name(kind: &Kind) -> &'static str {
     }
 }
 
-/// What a device offers, in the words of the DirectIO protocol.
+/// Returns the description of a device, with the interface names of the DirectIO protocol.
 fn info(spec: &DeviceSpec, kind: &str) -> DeviceInfo {
     let plain = |name| (name, Vec::new());
     let interfaces = match &spec.kind {
@@ -317,7 +318,7 @@ fn info(spec: &DeviceSpec, kind: &str) -> DeviceInfo {
     }
 }
 
-/// Types of simulated devices that clients may make: the models that they may stand for.
+/// Device types that clients may add, with the arm models that they can stand for.
 pub(crate) const KINDS: &[(&str, &[&str])] = &[
     ("kuka_lwr_sim", &["kuka-lwr4+"]),
     ("kuka_iiwa_sim", &["kuka-iiwa-7", "kuka-iiwa-14"]),
@@ -328,7 +329,7 @@ fn spec(new: &NewDevice<'_>, tick: f64) -> Result<DeviceSpec, Failure> {
     let unknown = || {
         let known: Vec<&str> = KINDS.iter().map(|(kind, _)| *kind).collect();
         let known = known.join(", ");
-        Failure::Unknown(format!("device type {}, there are {known}", new.kind))
+        Failure::Unknown(format!("device type {}; known types: {known}", new.kind))
     };
     let (_, models) = known.ok_or_else(unknown)?;
     let models = models.iter().filter_map(|id| rpi_kin::models::by_id(id));
@@ -351,7 +352,7 @@ fn spec(new: &NewDevice<'_>, tick: f64) -> Result<DeviceSpec, Failure> {
             surface: None,
             limits,
             enforced: Enforced {
-                // As the reference system's simulated devices: its clients plan paths without asking how fast joints turn.
+                // As in the reference system's simulation: its clients plan paths without regard to joint velocities.
                 position: true,
                 velocity: false,
                 acceleration: false,
@@ -365,14 +366,15 @@ fn spec(new: &NewDevice<'_>, tick: f64) -> Result<DeviceSpec, Failure> {
     })
 }
 
-/// How far the flange of the stretched arm is from its base, in m.
+/// Returns the distance of the flange from the base of the stretched arm in m.
 fn stretched(model: &rpi_kin::ArmModel) -> f64 {
     let zero = vec![0.0; model.axes()];
     model.forward(&zero).translation.vector.norm()
 }
 
-/// The model's limits with what the client says of them. Its plans end with full deceleration: an arm that may change
-/// its acceleration only slowly would swing back after their last set-point, so it may change it within a tick.
+/// Returns the limits of the model, overridden by those of the client. The client's motions end with full deceleration.
+/// An arm with a low jerk limit would swing back after the last set-point, so the limit allows full acceleration within
+/// one tick.
 fn limits(new: &NewDevice<'_>, own: &[AxisLimits], tick: f64) -> Result<Vec<AxisLimits>, Failure> {
     let mut limits = own.to_vec();
     let mut set = |key: &str, place: fn(&mut AxisLimits) -> &mut f64| {
@@ -395,7 +397,7 @@ fn limits(new: &NewDevice<'_>, own: &[AxisLimits], tick: f64) -> Result<Vec<Axis
     match limits.iter().all(sound) {
         true => Ok(limits),
         false => Err(Failure::Bad(
-            "limits that are empty or not positive".to_owned(),
+            "limits must be positive and their ranges not empty".to_owned(),
         )),
     }
 }
@@ -404,7 +406,7 @@ fn reals(new: &NewDevice<'_>, key: &str) -> Result<Option<Vec<f64>>, Failure> {
     let Some(text) = new.parameters.get(key) else {
         return Ok(None);
     };
-    let bad = || Failure::Bad(format!("{key} is no list of reals"));
+    let bad = || Failure::Bad(format!("{key} must be a list of reals"));
     let values = literal::read_array(text, Scalar::Real).map_err(|_| bad())?;
     let values: Option<Vec<_>> = values.ok_or_else(bad)?.into_iter().collect();
     let reals = values

@@ -1,40 +1,41 @@
-//! Emergency stop: everything is stopped at once, and nothing can be started until somebody resets it.
+//! Emergency stop: everything is stopped at once, and nothing can be started until a reset.
 //!
-//! It does not wait for its turn: the cycle looks at an alarm in each tick, and stops everything as long as it is up. It goes down
-//! once all that had been asked for before was carried out, so that nothing which was on its way outlives it.
+//! The stop does not go through the request queue: the cycle reads an atomic flag in each tick and stops everything
+//! while it is set. The flag is cleared once all earlier requests were carried out, so that none of them restarts a
+//! command.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::{Desk, Failure, Reply, Sink, Then, Update};
 
-/// What is known of the emergency stop.
+/// State of the emergency stop.
 #[derive(Default)]
 pub(crate) struct Emergency {
-    /// Looked at by the cycle.
+    /// Flag read by the cycle.
     alarm: Arc<AtomicBool>,
-    /// The request behind all that had been asked for before has found no room yet.
+    /// Whether the request that marks the end of all earlier ones is still to be sent.
     waits: bool,
-    /// Who has wanted it, until it is reset.
+    /// Who requested the stop; `None` after a reset.
     by: Option<String>,
     pub(super) watchers: Vec<Box<dyn Sink>>,
 }
 
-/// Signs that are kept of who wanted it.
+/// Maximum number of characters kept of the requester's name.
 const LONGEST: usize = 200;
 
 impl Desk {
-    /// What the cycle looks at.
+    /// Returns the flag that the cycle reads.
     pub(crate) fn alarm(&self) -> Arc<AtomicBool> {
         Arc::clone(&self.emergency.alarm)
     }
 
-    /// Who has wanted an emergency stop that was not reset.
+    /// Returns who requested the emergency stop in force.
     pub(crate) fn emergency_by(&self) -> Option<&str> {
         self.emergency.by.as_deref()
     }
 
-    /// Stops everything; the reply comes once it stands so that nothing can start any more.
+    /// Stops everything. The reply is sent once no earlier request can start anything any more.
     pub(crate) fn emergency_stop(&mut self, by: &str, reply: Reply) {
         let by: String = by
             .chars()
@@ -43,14 +44,14 @@ impl Desk {
             .collect();
         self.journal.note(format_args!("EMERGENCY STOP by {by}"));
         self.emergency.alarm.store(true, Ordering::Relaxed);
-        // Who was first stays known.
+        // The first requester is kept.
         self.emergency.by.get_or_insert(by);
         self.stop_tasks();
         self.ask_behind(Some(reply));
         self.tell_emergency();
     }
 
-    /// Asks for the same behind all that is under way.
+    /// Sends the stop as an ordinary request too, which is carried out after all pending ones.
     fn ask_behind(&mut self, reply: Option<Reply>) {
         let ticket = self.control.emergency_stop();
         self.emergency.waits = ticket.is_err();
@@ -58,27 +59,27 @@ impl Desk {
             Ok(ticket) => {
                 self.asked(Ok(ticket), Then::Stopped, reply);
             }
-            // It is stopped all the same; what is asked for again is only that nothing comes after it.
+            // The flag has stopped everything already, so the client need not wait for the repeated request.
             Err(_) => super::answer(reply, Ok(String::new())),
         }
     }
 
-    /// Tries again what found no room.
+    /// Repeats the request if the queue was full.
     pub(super) fn keep_stopped(&mut self) {
         if self.emergency.waits {
             self.ask_behind(None);
         }
     }
 
-    /// All that was asked for before was carried out: the alarm can go down.
+    /// Called when all earlier requests were carried out: clears the flag.
     pub(super) fn has_stopped(&mut self) {
         self.emergency.alarm.store(false, Ordering::Relaxed);
     }
 
-    /// Lets commands start again.
+    /// Resets the emergency stop: commands can be started again.
     ///
     /// # Errors
-    /// While something still moves.
+    /// If a device still moves or earlier requests are pending.
     pub(crate) fn reset_emergency(&mut self) -> Result<(), Failure> {
         let still = self.emergency.alarm.load(Ordering::Relaxed) || self.devices.move_still();
         if self.emergency.by.is_some() && still {
@@ -86,13 +87,13 @@ impl Desk {
         }
         if self.emergency.by.take().is_some() {
             self.journal
-                .note(format_args!("the emergency stop is reset"));
+                .note(format_args!("the emergency stop was reset"));
             self.tell_emergency();
         }
         Ok(())
     }
 
-    /// Tells somebody whether everything is stopped, now and whenever that changes.
+    /// Subscribes to the emergency stop: reports its state now and at each change.
     pub(crate) fn watch_emergency(&mut self, mut sink: Box<dyn Sink>) {
         if sink.tell(&Update::Emergency(self.emergency_by())) {
             self.emergency.watchers.push(sink);
@@ -104,7 +105,7 @@ impl Desk {
         watchers.retain_mut(|sink| sink.tell(&Update::Emergency(by.as_deref())));
     }
 
-    /// Fails while everything is to stand still.
+    /// Returns an error if an emergency stop is in force.
     pub(super) fn may_start(&self) -> Result<(), Failure> {
         match &self.emergency.by {
             Some(by) => Err(Failure::Stopped(by.clone())),

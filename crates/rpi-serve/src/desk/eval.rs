@@ -1,4 +1,4 @@
-//! A net that runs for one cycle, and what it exports then: how clients read sensors and ask for kinematics.
+//! Evaluation of a net for one cycle and its exports. Clients use it to read sensors and to compute kinematics.
 
 use rpi_host::control::{State, Why};
 
@@ -6,21 +6,21 @@ use super::owed::Debt;
 use super::watch::texts;
 use super::{Desk, Failure, Language, Load, Phase, Reply, Then};
 
-/// Takes the exports after one cycle: key and value.
+/// Callback for the exports after one cycle: key and value.
 pub(crate) type Take = Box<dyn FnOnce(Vec<(String, String)>) + Send>;
 
-/// Who waits for the one cycle.
+/// A client that waits for the single cycle.
 pub(crate) struct Eval {
-    /// Told if there is no such cycle.
+    /// Callback for the error, if the cycle does not take place.
     pub(super) reply: Reply,
     take: Take,
 }
 
-/// Commands for one cycle belong to no session.
+/// Session number of evaluations, which belong to no session.
 const NOBODY: u64 = 0;
 
 impl Desk {
-    /// Runs a net for one cycle. It must not need an actuator that somebody holds.
+    /// Runs a net for one cycle. It must not need an actuator that another command holds.
     pub(crate) fn eval(&mut self, text: &str, take: Take, reply: Reply) {
         let load = Load {
             session: "",
@@ -36,7 +36,7 @@ impl Desk {
         self.load_for(NOBODY, &load, Some(eval), nobody);
     }
 
-    /// Hands over what the commands for one cycle have exported, and unloads them.
+    /// Reports the exports of evaluations that have run, and unloads their commands.
     pub(super) fn finish_evals(&mut self) {
         let evals = self.commands.iter().filter(|(_, r)| r.eval.is_some());
         let over: Vec<u64> = evals
@@ -60,14 +60,14 @@ impl Desk {
         if let Some(eval) = record.eval.take() {
             match values {
                 Some(values) => (eval.take)(values),
-                None => (eval.reply)(Err(Failure::Bad("it has not run".to_owned()))),
+                None => (eval.reply)(Err(Failure::Bad("the net did not run".to_owned()))),
             }
         }
         self.owe(number, Debt::Abort(Why::Request));
         self.owe(number, Debt::Unload);
     }
 
-    /// Has a command that is ready run its one cycle. While everything is to stand still, only one that moves nothing.
+    /// Starts the command of an evaluation. During an emergency stop only a command without actuators is started.
     pub(super) fn start_eval(&mut self, number: u64) {
         let Some(record) = self.commands.get(&number) else {
             return;
@@ -88,7 +88,7 @@ impl Desk {
         }
     }
 
-    /// There will be no such cycle: whoever waits for it hears why, and the command is let go.
+    /// Reports that the cycle does not take place, and unloads the command.
     pub(super) fn give_up_eval(&mut self, number: u64, why: Failure) {
         let record = self.commands.get_mut(&number);
         if let Some(eval) = record.and_then(|r| r.eval.take()) {

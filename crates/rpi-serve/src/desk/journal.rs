@@ -1,23 +1,23 @@
-//! What has happened, for people: the latest lines.
+//! Event log for operators: the latest lines.
 
 use std::collections::VecDeque;
 use std::fmt;
 use std::time::Instant;
 
-/// Lines that are kept.
+/// Maximum number of lines.
 const LINES: usize = 1000;
-/// Characters of a line: what clients call themselves may be long.
+/// Maximum number of characters per line: names given by clients may be long.
 const WIDTH: usize = 300;
 
-/// The latest lines, each with the seconds since the server was opened.
+/// The latest log lines, each with the seconds since the start of the server.
 pub(super) struct Journal {
     begin: Instant,
     lines: VecDeque<String>,
-    /// Those that somebody should know of at once, until they are taken.
+    /// Warnings for the operator that were not taken yet.
     warnings: Vec<String>,
 }
 
-/// Warnings that wait to be taken.
+/// Maximum number of pending warnings.
 const WARNINGS: usize = 100;
 
 impl Journal {
@@ -41,7 +41,7 @@ impl Journal {
         }
     }
 
-    /// Writes a line, and keeps it for whoever looks after the server.
+    /// Writes a line and keeps it as a pending warning.
     pub(super) fn warn(&mut self, what: &str) {
         self.note(format_args!("{what}"));
         if self.warnings.len() < WARNINGS {
@@ -49,12 +49,12 @@ impl Journal {
         }
     }
 
-    /// The warnings that nobody has taken yet.
+    /// Takes the pending warnings.
     pub(super) fn warnings(&mut self) -> Vec<String> {
         std::mem::take(&mut self.warnings)
     }
 
-    /// All lines that are kept, the oldest first.
+    /// Returns all lines, oldest first.
     pub(super) fn text(&self) -> String {
         self.lines
             .iter()

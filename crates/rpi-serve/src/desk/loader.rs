@@ -1,4 +1,4 @@
-//! Loading beside the cycle: from a text to a command, on threads of its own.
+//! Loader: compiles texts to commands and tasks on its own thread.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
@@ -15,16 +15,16 @@ use super::queue::Queue;
 use crate::fair::Client;
 use crate::script::Script;
 
-/// What a text is.
+/// Language of a text.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Language {
     /// A net of the reference system.
     Rpinet,
-    /// A program.
+    /// An RPI program.
     Rpi,
 }
 
-/// What is made of a text.
+/// Kind of object to load from a text.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum What {
     /// One of its commands.
@@ -33,61 +33,61 @@ pub(crate) enum What {
     Task,
 }
 
-/// Something to load.
+/// A load job.
 pub(crate) struct Job {
     pub(crate) what: What,
-    /// The command's or task's number.
+    /// Number of the command or task.
     pub(crate) number: u64,
     pub(crate) session: u64,
-    /// Whose turn it takes.
+    /// Client whose turn the job takes in the queue.
     pub(crate) client: Option<Client>,
     pub(crate) origin: Origin,
     pub(crate) period_ns: u64,
     pub(crate) tick_ns: u64,
-    /// What becomes of it if its cycles take too long.
+    /// Policy for cycles that take too long.
     pub(crate) on_overrun: OnOverrun,
 }
 
-/// What a command is loaded from.
+/// Source of a command or task.
 #[derive(Clone)]
 pub(crate) struct Origin {
     pub(crate) language: Language,
     pub(crate) text: Arc<str>,
-    /// Which command or task of the text, if there are several.
+    /// Name of the command or task within the text; `None` if there is only one.
     pub(crate) command: Option<String>,
 }
 
-/// What was made.
+/// Result of a load job.
 pub(crate) enum Made {
-    /// A command that can run.
+    /// A command, ready to run.
     Command(Loaded),
-    /// What a task needs to run.
+    /// A task, ready to run.
     Task(Script),
 }
 
-/// What loading has given.
+/// A loaded command with its analysis results.
 pub(crate) struct Loaded {
     pub(crate) command: Box<Command>,
     pub(crate) image: Arc<Image>,
     pub(super) reasons: Reasons,
-    /// Its inputs that stand after `given`.
+    /// Inputs that are taken over when the command starts (after `given`).
     pub(super) given: Vec<Given>,
-    /// Of which devices the names were resolved: see [`Twin`].
+    /// Generation of the devices for which the names were resolved: see [`Twin`].
     pub(crate) generation: u64,
 }
 
-/// A bank with the same devices in the same places as the cycle's: resolves names beside the cycle.
+/// A copy of the cycle's devices in the same slots, for resolving names outside the cycle thread.
 pub(crate) struct Twin {
     pub(crate) bank: SimBank,
-    /// Counts the changes of its devices.
+    /// Number of changes of the devices.
     pub(crate) generation: u64,
 }
 
-/// Takes what was loaded, or every reason why not.
+/// Callback for the result of a load job, or for all errors.
 pub(crate) type Done = Box<dyn Fn(Job, Result<Made, Vec<String>>) + Send>;
 
-/// Starts a thread that loads one job after the other; it ends when the queue is closed. `continuity` is what happens to
-/// commands that take over with a jump, where it is not as usual for their language.
+/// Starts a thread that processes the jobs one by one until the queue is closed. `continuity` is the policy for a
+/// takeover with a jump; `None` for the default of the language.
 pub(crate) fn start(
     jobs: Arc<Queue>,
     continuity: Option<Continuity>,
@@ -103,12 +103,16 @@ pub(crate) fn start(
 
 fn work(jobs: &Queue, continuity: Option<Continuity>, twin: &Mutex<Twin>, done: &Done) {
     while let Some(job) = jobs.pop() {
+        // A crash of the compiler on one text must not end the loader for all clients.
         let loaded = catch_unwind(AssertUnwindSafe(|| match job.what {
             What::Command => load(&job, continuity, twin).map(Made::Command),
             What::Task => script(&job).map(Made::Task),
         }));
-        let loaded =
-            loaded.unwrap_or_else(|_| Err(vec!["the compiler broke down at this text".to_owned()]));
+        let loaded = loaded.unwrap_or_else(|_| {
+            Err(vec![
+                "internal error: the compiler crashed on this text".to_owned(),
+            ])
+        });
         done(job, loaded);
     }
 }
@@ -125,7 +129,7 @@ fn load(
     let mut command = Command::load(Arc::clone(&image), &mut twin.bank)
         .map_err(|faults| faults.iter().map(ToString::to_string).collect::<Vec<_>>())?;
     command.guard(continuity.unwrap_or(match job.origin.language {
-        // Nets of the authors' systems are written for control cores without this guard.
+        // Nets of the reference system are written for control cores without this check.
         Language::Rpinet => Continuity::Allow,
         Language::Rpi => Continuity::default(),
     }));
@@ -140,7 +144,8 @@ fn load(
     })
 }
 
-/// The image of a command, the bound on what its primitives do, why its Booleans can be true, and what it takes over.
+/// Image of a command, bound on the work of its primitives per cycle, conditions of its Booleans, and inputs to take
+/// over.
 type Lowered = (Image, u64, Reasons, Vec<Given>);
 
 fn image(job: &Job) -> Result<Lowered, Vec<String>> {
@@ -151,7 +156,7 @@ fn image(job: &Job) -> Result<Lowered, Vec<String>> {
     Ok((image, work, Reasons::of(net), net.given.clone()))
 }
 
-/// The task of a program that was asked for, or its only one.
+/// Returns the requested task of a program, or its only one.
 fn script(job: &Job) -> Result<Script, Vec<String>> {
     let compiled = job.origin.compiled()?;
     let tasks = &compiled.tasks;
@@ -162,7 +167,7 @@ fn script(job: &Job) -> Result<Script, Vec<String>> {
     let known = || tasks.iter().map(|task| task.name.as_str());
     let task = task.ok_or_else(|| match (tasks.as_slice(), compiled.nets()) {
         ([], [command, ..]) => vec![format!(
-            "there is no task in the text; `command.load` loads its command {}",
+            "the text has no task; use `command.load` to load its command {}",
             command.name
         )],
         _ => which("task", job.origin.command.as_deref(), known().collect()),
@@ -175,10 +180,10 @@ fn script(job: &Job) -> Result<Script, Vec<String>> {
 }
 
 impl Origin {
-    /// Hands the net that the text describes to `then`.
+    /// Calls `then` with the net of the text.
     ///
     /// # Errors
-    /// Every reason why it describes none.
+    /// All reasons why the text has no such net.
     pub(crate) fn net<T>(
         &self,
         then: impl FnOnce(&Net) -> Result<T, Vec<String>>,
@@ -186,7 +191,7 @@ impl Origin {
         then(choose(&self.compiled()?, self.command.as_deref())?)
     }
 
-    /// The text, compiled without an error.
+    /// Compiles the text. Returns all errors if there are any.
     fn compiled(&self) -> Result<Compiled, Vec<String>> {
         let (name, kind) = match self.language {
             Language::Rpinet => ("from a client/net.rpinet", rpi_driver::Kind::Rpinet),
@@ -199,6 +204,7 @@ impl Origin {
         };
         let asked = rpi_driver::Asked {
             claims: rpi_driver::Claims::Off,
+            // The text has no file, so it must not load modules from the server's folders.
             alone: true,
             ..Default::default()
         };
@@ -213,7 +219,7 @@ impl Origin {
 
 fn choose<'a>(compiled: &'a Compiled, name: Option<&str>) -> Result<&'a Net, Vec<String>> {
     let Program::Nets(nets) = &compiled.program else {
-        return Err(vec!["an image is not taken from outside".to_owned()]);
+        return Err(vec!["images cannot be loaded from a client".to_owned()]);
     };
     let found = match (nets.as_slice(), name) {
         ([only], None) => Some(only),
@@ -229,27 +235,27 @@ fn choose<'a>(compiled: &'a Compiled, name: Option<&str>) -> Result<&'a Net, Vec
     })
 }
 
-/// Asks which one is meant, or tells that there is none of the name that was said.
+/// Returns the message for a command or task that is ambiguous or unknown.
 fn which(what: &str, name: Option<&str>, known: Vec<&str>) -> Vec<String> {
     let there = known.join(", ");
     vec![match known.is_empty() {
-        true if what == "task" => "there is no task in the text".to_owned(),
-        true => "there is no command in the text that can run as it stands; one whose parameters have no value is run by a task: `Name(3)`".to_owned(),
+        true if what == "task" => "the text has no task".to_owned(),
+        true => "the text has no command without open parameters; start one with parameters from a task: `Name(3)`".to_owned(),
         false => match name {
             Some(name) => {
                 let meant = rpi_diag::suggest(name, known.into_iter());
                 let meant = meant.map_or_else(String::new, |m| format!("; did you mean {m}?"));
-                format!("there is no {what} {name} in the text, there are: {there}{meant}")
+                format!("unknown {what} {name} in the text, expected one of: {there}{meant}")
             }
-            None => format!("which {what}? There are: {there}"),
+            None => format!("the text has several {what}s; choose one of: {there}"),
         },
     }]
 }
 
-/// Findings that a client is told at most: a text of megabytes can hold tens of thousands.
+/// Maximum number of errors reported to a client: a text of megabytes can have tens of thousands.
 const TOLD: usize = 100;
 
-/// The findings that are errors: where, what.
+/// Returns the errors with position, code and message.
 fn reasons(compiled: &Compiled) -> Vec<String> {
     let errors = compiled
         .findings

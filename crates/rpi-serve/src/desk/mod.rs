@@ -1,7 +1,7 @@
-//! Where everything that clients ask for arrives: sessions, commands, rules, devices, and who is told what.
+//! Server state: sessions, commands, rules, tasks, devices and subscriptions.
 //!
-//! The desk keeps the books beside the cycle. It is one struct behind one lock; connections, the loader and the keeper
-//! take it for short. The cycle never does: orders go to it and reports come from it through bounded queues.
+//! The state is one struct behind one lock, which connections, the loader and the `rpi-desk` thread hold for short
+//! times. The cycle never takes the lock: requests go to it and events come from it through bounded queues.
 
 mod commands;
 mod completion;
@@ -57,18 +57,18 @@ use rules::RuleRecord;
 use sessions::Session;
 use tasks::TaskRecord;
 
-/// The books.
+/// The server state.
 pub(crate) struct Desk {
     pub(crate) limits: Limits,
     pub(crate) tick_ns: u64,
-    /// What becomes of a session's commands when its client is gone, where the client does not say.
+    /// Policy for the commands of a session whose client has disconnected, unless the client specifies one.
     on_loss: OnLoss,
-    /// What becomes of a command whose cycles take too long, where its client does not say.
+    /// Policy for a command whose cycles take too long, unless its client specifies one.
     on_overrun: OnOverrun,
     control: Control,
-    /// Who writes down what happens, if somebody does.
+    /// Writer of the recording, if the run is recorded.
     recorder: Option<Recorder>,
-    /// It has not given up.
+    /// Whether the recording is still being written.
     recorded: bool,
     errands: BTreeMap<Ticket, Errand>,
     owed: Owed,
@@ -78,40 +78,40 @@ pub(crate) struct Desk {
     rules: BTreeMap<RuleId, RuleRecord>,
     tasks: BTreeMap<u64, TaskRecord>,
     emergency: Emergency,
-    /// Rules whose outcome somebody was told in this round.
+    /// Rules whose outcome was reported to a subscriber in this round.
     told: Vec<RuleId>,
-    /// Rules that have fired before what they have stopped was known to run.
+    /// Rules that have fired before the commands they stopped are known to have run. Reported later.
     early: Vec<RuleId>,
     devices: Devices,
     journal: Journal,
     twin: Arc<Mutex<Twin>>,
     jobs: Arc<Queue>,
-    /// What becomes of commands that take over with a jump, where it is not as usual for their language.
+    /// Policy for a takeover with a jump; `None` for the default of the language.
     continuity: Option<Continuity>,
-    /// The last number that was given to anything.
+    /// The last number given to an object.
     last: u64,
 }
 
-/// What is to be done when the cycle answers a request.
+/// A request to the cycle that is not answered yet.
 struct Errand {
     then: Then,
     reply: Option<Reply>,
 }
 
-/// What follows from a request that was carried out.
+/// Action after a request was carried out.
 enum Then {
     Nothing,
     Inserted(u64),
     Made(RuleId),
-    /// A command for one cycle was to start.
+    /// A command for a single cycle was started.
     Eval(u64),
     Device(DeviceInfo),
     NoDevice(String),
-    /// All that was asked for before an emergency stop was carried out.
+    /// All requests made before an emergency stop were carried out.
     Stopped,
 }
 
-/// The desk, shared by everybody beside the cycle.
+/// Shared handle of the server state.
 #[derive(Clone)]
 pub(crate) struct Office(Arc<Mutex<Desk>>);
 
@@ -122,10 +122,10 @@ impl fmt::Debug for Office {
 }
 
 impl Office {
-    /// A desk for the devices of a cell, with its loader running.
+    /// Creates the state for the devices of a cell and starts the loader.
     ///
     /// # Errors
-    /// If the system gives no thread.
+    /// If the loader thread cannot be created.
     pub(crate) fn open(
         cell: &Cell,
         (control, recorder): (Control, Option<Recorder>),
@@ -162,6 +162,7 @@ impl Office {
             continuity: settings.continuity,
             last: 0,
         })));
+        // A weak reference: dropping the state closes the queue, which ends the loader thread.
         let weak = Arc::downgrade(&office.0);
         let done: loader::Done = Box::new(move |job, loaded| {
             if let Some(desk) = weak.upgrade() {
@@ -172,13 +173,13 @@ impl Office {
         Ok(office)
     }
 
-    /// The desk, once nobody else has it.
+    /// Locks the state. A poisoned lock is taken over, so that a crashed connection does not end the server.
     pub(crate) fn desk(&self) -> MutexGuard<'_, Desk> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-/// A bank with the devices of a cell and empty places for more.
+/// Creates a bank with the devices of a cell and empty slots for more.
 pub(crate) fn bank(cell: &Cell, places: usize, tick_ns: u64) -> SimBank {
     let tick = tick_ns as f64 * 1e-9;
     let mut bank = SimBank::empty(places.max(cell.devices.len()), tick);
@@ -190,34 +191,34 @@ pub(crate) fn bank(cell: &Cell, places: usize, tick_ns: u64) -> SimBank {
 }
 
 impl Desk {
-    /// What has happened, the latest lines.
+    /// Returns the latest log lines.
     pub(crate) fn log(&self) -> String {
         self.journal.text()
     }
 
-    /// Notes something that has happened.
+    /// Writes a log line.
     pub(crate) fn log_line(&mut self, what: fmt::Arguments<'_>) {
         self.journal.note(what);
     }
 
-    /// Notes something that whoever looks after the server should know of.
+    /// Writes a log line and keeps it as a warning for the operator.
     pub(crate) fn warn(&mut self, what: &str) {
         self.journal.warn(what);
     }
 
-    /// The warnings that nobody has taken yet.
+    /// Takes the pending warnings.
     pub(crate) fn warnings(&mut self) -> Vec<String> {
         self.journal.warnings()
     }
 
-    /// A number that nothing else has.
+    /// Returns a new number, unique among all objects.
     fn number(&mut self) -> u64 {
         self.last += 1;
         self.last
     }
 
-    /// Remembers what follows once the cycle has answered a request. If it did not even leave, whoever asked hears why, and
-    /// it is false.
+    /// Registers what follows once the cycle has answered a request. If the request could not be sent, reports the
+    /// error to `reply` and returns false.
     fn asked(
         &mut self,
         ticket: Result<Ticket, Rejected>,
@@ -249,7 +250,7 @@ fn answer(reply: Option<Reply>, result: Result<String, Failure>) {
     }
 }
 
-/// The number in a name such as `n12`.
+/// Returns the number in a name such as `n12`.
 fn number_of(name: &str, letter: char) -> Option<u64> {
     name.strip_prefix(letter)?.parse().ok()
 }

@@ -1,7 +1,8 @@
-//! What the desk owes the cycle without anybody waiting for the answer: what a lost client runs is to end, what is over to be unloaded.
+//! Deferred requests: requests to the cycle whose answers nobody waits for, such as cancelling and unloading the
+//! commands of a disconnected client.
 //!
-//! None of it may be lost because others flood the queue: clients leave room for it, and what finds none all the same is asked for
-//! again.
+//! They must not be lost when clients flood the request queue. Clients leave room for them, and a request that finds
+//! the queue full is sent again later.
 
 use std::collections::VecDeque;
 
@@ -9,34 +10,34 @@ use rpi_host::control::{CommandId, Rejected, RuleId, Why};
 
 use super::{Desk, Failure, Then};
 
-/// Something to be done to a command.
+/// Deferred operation on a command.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Debt {
-    /// It is asked to end.
+    /// Cancel it.
     Cancel,
-    /// It ends by force.
+    /// Abort it.
     Abort(Why),
-    /// It is no longer needed.
+    /// Unload it.
     Unload,
 }
 
-/// Requests that clients leave room for.
+/// Entries of the request queue reserved for the server itself.
 const RESERVED: usize = 1024;
 
-/// What has found no room yet, in the order in which it came up.
+/// Requests that have not been sent yet, oldest first.
 #[derive(Default)]
 pub(super) struct Owed(VecDeque<Owing>);
 
-/// To whom something is to be done.
+/// A deferred request.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Owing {
     Command(CommandId, Debt),
-    /// It is dropped.
+    /// Withdraw the rule.
     Rule(RuleId),
 }
 
 impl Desk {
-    /// Does something to a command that is in the table, as soon as there is room to ask for it.
+    /// Applies an operation to a command in the table, as soon as the queue has room.
     pub(super) fn owe(&mut self, number: u64, debt: Debt) {
         if let Some(id) = self.commands.get(&number).and_then(|r| r.id) {
             self.owe_by_id(id, debt);
@@ -47,7 +48,7 @@ impl Desk {
         self.owe_it(Owing::Command(id, debt));
     }
 
-    /// Drops a rule as soon as there is room to ask for it.
+    /// Withdraws a rule, as soon as the queue has room.
     pub(super) fn owe_rule(&mut self, id: RuleId) {
         self.owe_it(Owing::Rule(id));
     }
@@ -59,7 +60,7 @@ impl Desk {
         self.pay();
     }
 
-    /// Asks for what is owed, as far as there is room.
+    /// Sends the deferred requests, as far as the queue has room.
     pub(super) fn pay(&mut self) {
         while let Some(owing) = self.owed.0.front().copied() {
             let asked = match owing {
@@ -72,12 +73,13 @@ impl Desk {
                 return;
             }
             self.owed.0.pop_front();
-            // Who is gone meanwhile needs nothing any more.
+            // Any other error means that the command or rule is gone, so nothing is left to do.
             self.asked(asked, Then::Nothing, None);
         }
     }
 
-    /// Fails while there is only room left for what the desk itself asks for: what is owed, and what tasks go on with.
+    /// Returns an error if only the reserved entries of the queue are free. Those are for deferred requests and running
+    /// tasks.
     pub(super) fn may_ask(&self) -> Result<(), Failure> {
         match self.owed.0.is_empty() && self.control.room() > RESERVED {
             true => Ok(()),

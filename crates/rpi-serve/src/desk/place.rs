@@ -1,19 +1,19 @@
-//! Where in a program something has happened to its command.
+//! Location in a program, for reports about its commands.
 
 use rpi_diag::{SourceMap, Span};
 use rpi_image::image;
 
-/// A place in a program.
+/// A location in a program.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) struct Place {
-    /// The path to the node or fragment.
+    /// Path of the node or fragment.
     pub(crate) path: String,
-    /// `line:column` in the text that the client gave, if it stands there and not in a library.
+    /// `line:column` in the client's text; `None` if the location is in a library or unknown.
     pub(crate) at: Option<String>,
 }
 
 impl Place {
-    /// That of a node, in a command that was made of `text`.
+    /// Converts the location of a node in a command that was compiled from `text`.
     pub(super) fn of_node(place: &image::Place, text: Option<&str>) -> Place {
         let own = place.text.filter(|range| range.file == 0);
         let at = own.zip(text).map(|(range, text)| {
@@ -28,7 +28,7 @@ impl Place {
         }
     }
 
-    /// That of a fragment.
+    /// Creates the location of a fragment.
     pub(super) fn of_fragment(path: &str) -> Place {
         Place {
             path: path.to_owned(),

@@ -1,4 +1,4 @@
-//! Loads that wait for their turn: in turns by client, so that nobody's loads wait for all of somebody else's.
+//! Queue of load jobs with round-robin scheduling by client, so that no client waits for all jobs of another one.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::ops::Bound::{Excluded, Unbounded};
@@ -7,19 +7,19 @@ use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use super::loader::Job;
 use crate::fair::Client;
 
-/// The queue between the desk and the loader.
+/// The queue between the server state and the loader.
 pub(super) struct Queue {
     waiting: Mutex<Waiting>,
     changed: Condvar,
-    /// Jobs of one client that may wait.
+    /// Maximum number of queued jobs of one client.
     most: usize,
 }
 
 #[derive(Default)]
 struct Waiting {
-    /// By client; none is empty.
+    /// Queued jobs by client; no queue in the map is empty.
     clients: BTreeMap<Option<Client>, VecDeque<Job>>,
-    /// Whose turn it was last.
+    /// Client of the latest job taken.
     last: Option<Client>,
     over: bool,
 }
@@ -37,7 +37,7 @@ impl Queue {
         self.waiting.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Puts a job in; false if too many of its client wait already.
+    /// Adds a job. Returns false if its client has too many queued jobs.
     pub(super) fn push(&self, job: Job) -> bool {
         let mut waiting = self.waiting();
         let own = waiting.clients.entry(job.client).or_default();
@@ -49,7 +49,7 @@ impl Queue {
         room
     }
 
-    /// The next job, of the client after the one whose turn it was last; none once it is over.
+    /// Waits for the next job, of the client after the latest one. Returns `None` once the queue is closed.
     pub(super) fn pop(&self) -> Option<Job> {
         let mut waiting = self.waiting();
         loop {
@@ -64,7 +64,7 @@ impl Queue {
         }
     }
 
-    /// Forgets what a session waits for, and gives the commands' numbers.
+    /// Removes the jobs of a session and returns their command or task numbers.
     pub(super) fn forget(&self, session: u64) -> Vec<u64> {
         let is_own = |job: &Job| job.session == session;
         let mut waiting = self.waiting();
@@ -78,7 +78,7 @@ impl Queue {
         numbers
     }
 
-    /// Nothing will be loaded any more.
+    /// Closes the queue: the loader thread ends.
     pub(super) fn close(&self) {
         self.waiting().over = true;
         self.changed.notify_all();
@@ -106,7 +106,7 @@ mod tests {
     use super::*;
     use crate::peer::Peer;
 
-    /// A job of the client of a session: each has its own.
+    /// Creates a job; each session has its own client.
     fn job(session: u64, number: u64) -> Job {
         Job {
             what: What::Command,

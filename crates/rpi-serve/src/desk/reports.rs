@@ -1,4 +1,4 @@
-//! What the cycle tells, and what follows from it.
+//! Events from the cycle, and their effects on the server state.
 
 use rpi_host::control::{
     Cause, CommandId, Ending, Event, Notice, Outcome, Refused, State, Ticket, Why,
@@ -16,7 +16,7 @@ use super::types::why;
 use super::{Desk, Errand, Failure, Phase, Record, RuleState, Then, answer, cause};
 
 impl Desk {
-    /// Does all that there is to do now; called again and again beside the cycle.
+    /// Processes all pending events and due updates. Called periodically outside the cycle thread.
     pub(crate) fn keep(&mut self) {
         while let Some(event) = self.control.poll() {
             self.recorder.iter().for_each(|r| r.event(&event));
@@ -47,19 +47,19 @@ impl Desk {
         self.publish();
     }
 
-    /// Notes once that the recording has come to its end by itself: its file takes no more.
+    /// Warns once when the recording has stopped because of a write error.
     fn look_after_recording(&mut self) {
         if self.recorded
             && let Some(recorder) = self.recorder.as_ref().filter(|r| !r.writes())
         {
             self.recorded = false;
             let why = recorder.trouble().unwrap_or("the writer has failed");
-            let told = format!("NOTHING IS RECORDED ANY MORE: {why}");
+            let told = format!("RECORDING STOPPED: {why}");
             self.journal.warn(&told);
         }
     }
 
-    /// The cycle is over: tells what it has told last, and ends the recording, of which so many ticks were lost.
+    /// Called after the last tick: processes the remaining events and closes the recording, which misses `lost` ticks.
     pub(crate) fn finish_recording(&mut self, lost: u64) -> std::io::Result<Option<Written>> {
         self.keep();
         self.recorded = false;
@@ -88,7 +88,7 @@ impl Desk {
         }
     }
 
-    /// Why the core refuses something, with the names that people know.
+    /// Converts a refusal of the core to an error with the display names of actuator and command.
     pub(super) fn refusal(&self, why: Refused) -> Failure {
         let Refused::Held { resource, by } = why else {
             return Failure::Refused(why);
@@ -106,7 +106,7 @@ impl Desk {
         })
     }
 
-    /// A request was carried out: gives the name of what it made.
+    /// Carries out the action after a request. Returns the name of the created object.
     fn done(&mut self, then: Then) -> String {
         match then {
             Then::Nothing | Then::Eval(_) => String::new(),
@@ -131,7 +131,7 @@ impl Desk {
             if eval {
                 self.start_eval(number);
             } else if abandoned {
-                // Its owner has gone while it was loaded.
+                // Its client disconnected while it was loaded.
                 self.owe(number, Debt::Unload);
             }
         }
@@ -175,7 +175,7 @@ impl Desk {
         }
     }
 
-    /// A command has left something moving, which brakes on its own.
+    /// A command has left a device moving, which brakes on its own.
     fn braked(&mut self, id: CommandId, resource: u32) {
         let device = self.devices.name(resource);
         let Some(record) = self.record_of(id) else {
@@ -192,17 +192,15 @@ impl Desk {
         }
     }
 
-    /// The first set-points of a command that took over do not join those before: told even where that is allowed.
+    /// The first set-points of a command do not continue those of its predecessor. Reported even if the policy allows
+    /// it.
     fn jumped(&mut self, id: CommandId, jump: &Jump) {
         let jump = jump_text(jump, &self.devices.actuator(jump.resource));
         let number = self.by_id.get(&id).copied().unwrap_or_default();
         let Some(record) = self.record_of(id) else {
             return;
         };
-        let line = format!(
-            "{} does not join what went before: {jump}",
-            record.called(number)
-        );
+        let line = format!("{} takes over with a jump: {jump}", record.called(number));
         record.tell_jump(&jump);
         record.status.jump.get_or_insert(jump);
         self.journal.note(format_args!("{line}"));
@@ -255,7 +253,7 @@ impl Desk {
         }
     }
 
-    /// A command is no more.
+    /// Removes a command that the core has freed.
     pub(super) fn forget(&mut self, id: CommandId) {
         let Some(mut record) = self
             .by_id

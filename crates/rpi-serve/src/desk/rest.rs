@@ -1,18 +1,18 @@
-//! Everything comes to rest before the server lets go of the devices.
+//! Shutdown: brings everything to rest before the devices are released.
 
 use rpi_host::control::State;
 
 use super::{Desk, Phase, Then};
 
 impl Desk {
-    /// Ends all commands by force and drops all rules; what moves brakes on its own limits.
+    /// Aborts all commands and drops all rules. Moving devices brake within their own limits.
     pub(crate) fn stop_everything(&mut self) {
         let ticket = self.control.emergency_stop();
         self.asked(ticket, Then::Nothing, None);
     }
 
-    /// Whether nothing runs, nothing is under way to the cycle, and all devices stand still. What a client has started after
-    /// everything was stopped is stopped, too.
+    /// Returns whether no command runs, no request is pending and all devices are at rest. Commands started meanwhile
+    /// are stopped again.
     pub(crate) fn has_come_to_rest(&mut self) -> bool {
         if !self.errands.is_empty() {
             return false;

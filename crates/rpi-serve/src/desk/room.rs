@@ -1,5 +1,5 @@
-//! How much clients may keep: commands and tasks, and the memory that these take. Whoever has no room for more gives up what has
-//! ended longest ago.
+//! Quotas for commands, tasks and their memory. When a quota is reached, the oldest ended command or task of the client
+//! is removed.
 
 use super::owed::Debt;
 use super::types::MEMORY;
@@ -7,11 +7,11 @@ use super::{Desk, Failure, Phase, Record};
 use crate::fair::{Client, Holder, Taken};
 use rpi_host::control::State;
 
-/// Who has given up what is only waiting to be freed.
+/// Session number of commands that are only waiting to be freed.
 const NOBODY: u64 = 0;
 
 impl Desk {
-    /// Makes room for a command or a task with so many bytes of text.
+    /// Makes room for a command or task with this many bytes of text.
     pub(super) fn has_room(&mut self, session: u64, text: usize) -> Result<(), Failure> {
         self.fits(session, |desk, client| {
             let (count, bytes) = desk.taken(client);
@@ -22,7 +22,7 @@ impl Desk {
         })
     }
 
-    /// Makes room for the memory that a command or task of this number takes, now that it is loaded.
+    /// Makes room for the memory of a loaded command or task.
     pub(super) fn has_memory(&mut self, number: u64, bytes: usize) -> Result<(), Failure> {
         self.fits(self.session_of(number), |desk, client| {
             let memory = desk.taken(client).1.admit(bytes, desk.limits.memory);
@@ -30,8 +30,8 @@ impl Desk {
         })
     }
 
-    /// Makes room for the memory of what a task goes on with. What others have taken since it was loaded does not count against it:
-    /// as long as there is any left, it goes on.
+    /// Makes room for the memory of the next command of a task. Only the total limit applies, not the share of the
+    /// client, so that other clients cannot stop a running task.
     pub(super) fn has_memory_left(&mut self, number: u64, bytes: usize) -> Result<(), Failure> {
         self.fits(self.session_of(number), |desk, _| {
             let memory = desk.taken(None).1.admit(bytes, desk.limits.memory);
@@ -59,12 +59,13 @@ impl Desk {
         Ok(())
     }
 
-    /// Whose places a session takes: nobody's for what is only to be freed.
+    /// Returns the client that is charged for a session; `None` for commands that are only waiting to be freed.
     pub(super) fn client_of(&self, session: u64) -> Option<Client> {
         self.sessions.get(&session).map(|s| s.client)
     }
 
-    /// How many commands and tasks there are, and their bytes, as a client sees it. What is only waiting to be freed has left its place.
+    /// Returns the number and memory of all commands and tasks, as seen by a client. Commands that are only waiting to
+    /// be freed do not count.
     fn taken(&self, client: Option<Client>) -> (Taken, Taken) {
         let stays = |r: &&Record| r.session != NOBODY || r.eval.is_some();
         let commands = self.commands.values().filter(stays);
@@ -80,7 +81,8 @@ impl Desk {
         )
     }
 
-    /// Lets go of what has ended longest ago in this session and the others of its client: false if there is nothing.
+    /// Removes the oldest ended command or task of this session or of another session of its client. Returns false if
+    /// there is none.
     fn give_up_ended(&mut self, session: u64, client: Option<Client>) -> bool {
         let is_own =
             |other: u64| other == session || client.is_some() && self.client_of(other) == client;
@@ -90,7 +92,7 @@ impl Desk {
         let mut tasks = self.tasks.iter();
         let task = tasks.find(|(_, t)| t.has_ended() && is_own(t.session));
         let (command, task) = (command.map(|(n, _)| *n), task.map(|(n, _)| *n));
-        // They are numbered in the order in which they were loaded.
+        // Numbers are given in the order of loading.
         let Some(oldest) = command.into_iter().chain(task).min() else {
             return false;
         };
@@ -104,7 +106,7 @@ impl Desk {
     fn give_up(&mut self, command: u64) {
         self.owe(command, Debt::Unload);
         if let Some(record) = self.commands.get_mut(&command) {
-            // Its room counts as free from now on: its place does once it has come back.
+            // Its quota is free from now on; its table entry is freed once the cycle has returned it.
             (record.session, record.bytes) = (NOBODY, 0);
         }
     }

@@ -1,4 +1,4 @@
-//! Rules: when this holds, stop these, cancel those, start others.
+//! Rules: when a condition holds, stop, cancel and start commands.
 
 use std::collections::BTreeSet;
 
@@ -10,53 +10,53 @@ use super::{Client, Desk, Failure, Reply, RuleState, Sink, Then, Update, number_
 use crate::condition::{Expr, Saying};
 use crate::fair::{Holder, Taken};
 
-/// A rule as the desk knows it.
+/// State of a rule in the server.
 pub(super) struct RuleRecord {
     pub(super) state: RuleState,
-    /// What it stops.
+    /// Commands that it stops.
     pub(super) stop: Vec<CommandId>,
     cancel: Vec<CommandId>,
-    /// What it starts.
+    /// Commands that it starts.
     start: Vec<CommandId>,
-    /// Who has made it.
+    /// Client that made the rule.
     maker: Client,
-    /// Facts that it asks for and commands that it does something to.
+    /// Size of the rule: facts in its condition plus commands that it acts on.
     weight: usize,
     pub(super) watchers: Vec<Box<dyn Sink>>,
 }
 
 impl RuleRecord {
-    /// Whether something that it starts takes the place of something that it stops.
+    /// Returns whether the rule starts a command, which then takes over from those that it stops.
     pub(super) fn takes_over(&self) -> bool {
         !self.start.is_empty()
     }
 
-    /// All that it does something to.
+    /// Returns all commands that the rule acts on.
     fn acts_on(&self) -> impl Iterator<Item = &CommandId> {
         self.stop.iter().chain(&self.cancel).chain(&self.start)
     }
 }
 
-/// A rule to be made.
+/// A request to make a rule.
 pub(crate) struct Make<'a> {
     pub(crate) when: &'a Expr,
     pub(crate) stop: &'a [&'a str],
     pub(crate) cancel: &'a [&'a str],
     pub(crate) start: &'a [&'a str],
-    /// Who makes it.
+    /// Client that makes the rule.
     pub(crate) maker: Client,
-    /// What nothing can start any more is ready again, instead of unloaded.
+    /// Whether a command that can no longer be started becomes ready again instead of being unloaded.
     pub(crate) keep: bool,
 }
 
-/// What rules may say in all.
+/// Name of the limit on the total size of rules in messages.
 const SAID: &str = "facts and commands in all rules";
 
-/// Rules that are over and still remembered, for those who ask late.
+/// Number of inactive rules that are kept, for clients that subscribe late.
 const REMEMBERED: usize = 4096;
 
 impl Desk {
-    /// Makes a rule; the reply has its name.
+    /// Makes a rule. The reply has its name.
     pub(crate) fn make_rule(&mut self, make: &Make<'_>, reply: Reply) {
         if let Err(why) = self.may_start().or_else(|why| match make.start {
             [] => Ok(()),
@@ -80,7 +80,8 @@ impl Desk {
         }
     }
 
-    /// A rule that stops a command when one of its exports is up, and does nothing else, tells by what the command ends.
+    /// Notes the result that ends a command: a rule that only stops a command, when one of its exports is true,
+    /// declares that export as such a result.
     fn note_result(&mut self, make: &Make<'_>) {
         let (Expr::Said(command, Saying::Export(key)), [stop], [], []) =
             (make.when, make.stop, make.cancel, make.start)
@@ -94,7 +95,7 @@ impl Desk {
         }
     }
 
-    /// Fails if a rule names more than all of them may: nobody waits for the desk to look at it.
+    /// Returns an error if a rule names too many commands, before the names are resolved with the state locked.
     pub(crate) fn may_say(&self, make: &Make<'_>) -> Result<(), Failure> {
         let named = make.stop.len() + make.cancel.len() + make.start.len();
         match named > self.limits.facts {
@@ -103,7 +104,8 @@ impl Desk {
         }
     }
 
-    /// Fails if there are too many rules, or they say too much, in all or of this client: the cycle looks at all of them.
+    /// Returns an error if there are too many rules, or if they are too large in total: the cycle evaluates all of
+    /// them.
     fn has_room_for(&self, rule: &RuleRecord) -> Result<(), Failure> {
         let active = self.rules.values().filter(|r| r.state == RuleState::Active);
         let held = active.map(|r| (Holder::Is(r.maker), r.weight));
@@ -114,7 +116,7 @@ impl Desk {
         said.map_err(|full| Failure::limit(full, SAID))
     }
 
-    /// A client is gone: of its rules those that do nothing would only have told it something.
+    /// Drops the rules of a disconnected client that act on no command. They only served its subscriptions.
     pub(super) fn drop_idle_rules(&mut self, client: Client) {
         let own = self.rules.iter().filter(|(_, r)| r.maker == client);
         let idle =
@@ -124,7 +126,7 @@ impl Desk {
     }
 
     fn rule(&self, make: &Make<'_>) -> Result<(Rule, RuleRecord), Failure> {
-        // Stop and cancel sets are sets; to start one twice is a mistake, which the core tells.
+        // The sets to stop and cancel may have duplicates. A duplicate to start is an error, which the core reports.
         let set = |names: &[&str]| -> Result<Vec<CommandId>, Failure> {
             let ids: Result<BTreeSet<CommandId>, Failure> =
                 names.iter().map(|name| self.core_id(name)).collect();
@@ -177,7 +179,7 @@ impl Desk {
                 let ty = found.map(|k| exports[k].value.ty);
                 if let Some(ty) = ty.filter(|ty| *ty != Type::One(Scalar::Bool)) {
                     return Err(Failure::Bad(format!(
-                        "rules ask for Booleans, and {key} of {command} is {ty}"
+                        "expected a Boolean export, found {key} of {command} of type {ty}"
                     )));
                 }
                 Fact::Export(place("export", key, found)?)
@@ -193,7 +195,7 @@ impl Desk {
         })
     }
 
-    /// Drops a rule, if everything that it does something to is this client's.
+    /// Withdraws a rule, if the client may act on all commands of the rule.
     pub(crate) fn withdraw(&mut self, client: Client, name: &str, reply: Reply) {
         let may = self
             .may_ask()
@@ -217,7 +219,7 @@ impl Desk {
         Ok(id)
     }
 
-    /// Fails if there is no such rule.
+    /// Returns an error if the rule is unknown.
     pub(crate) fn find_rule(&self, name: &str) -> Result<(), Failure> {
         let known = number_of(name, 'r').is_some_and(|n| self.rules.contains_key(&RuleId(n)));
         known
@@ -225,7 +227,7 @@ impl Desk {
             .ok_or_else(|| Failure::Unknown(format!("rule {name}")))
     }
 
-    /// Tells somebody what has become of a rule, now and when it changes.
+    /// Subscribes to a rule: reports its state now and when it changes.
     pub(crate) fn watch_rule(
         &mut self,
         name: &str,
@@ -243,13 +245,13 @@ impl Desk {
         Ok(())
     }
 
-    /// A rule has fired: told once it can be understood.
+    /// Called when a rule has fired. The report is delayed until the order of updates is correct.
     pub(super) fn rule_fired(&mut self, id: RuleId) {
         self.note_takeover(id);
         self.tell_fired(id);
     }
 
-    /// Tells that rules have fired that could not be told before.
+    /// Reports rules that have fired and could not be reported earlier.
     pub(super) fn tell_early(&mut self) {
         let early = std::mem::take(&mut self.early);
         early.into_iter().for_each(|id| self.tell_fired(id));
@@ -265,7 +267,7 @@ impl Desk {
         }
     }
 
-    /// A rule is over.
+    /// Called when a rule has become inactive.
     pub(super) fn rule_over(&mut self, id: RuleId, state: RuleState) {
         let Some(rule) = self.rules.get_mut(&id) else {
             return;
@@ -280,7 +282,7 @@ impl Desk {
         self.forget_rules();
     }
 
-    /// Somebody knows what has become of a rule: what it started is held back no longer.
+    /// Called when the outcome of a rule was reported: values of the commands that it started are no longer withheld.
     pub(super) fn rule_told(&mut self, id: RuleId) {
         let started = self.rules.get(&id).map(|r| r.start.clone());
         for command in started.into_iter().flatten() {
@@ -303,7 +305,7 @@ impl Desk {
         }
     }
 
-    /// A rule that was refused is not remembered.
+    /// Removes a rule that the core refused.
     pub(super) fn forget_rule(&mut self, id: RuleId) {
         self.rules.remove(&id);
     }

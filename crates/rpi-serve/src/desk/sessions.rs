@@ -1,4 +1,4 @@
-//! Sessions: who owns which commands, and what becomes of them when the owner is gone.
+//! Sessions: ownership of commands, and what happens to them when the client disconnects.
 
 use rpi_host::control::{State, Why};
 
@@ -11,20 +11,20 @@ use crate::peer::Peer;
 
 /// A session.
 pub(super) struct Session {
-    /// What its client calls itself.
+    /// Name given by the client, for display.
     pub(super) name: String,
     pub(super) on_loss: OnLoss,
-    /// The client that has opened it, or taken it up.
+    /// Client that opened the session or took it over.
     pub(super) client: Client,
-    /// Whoever knows its name may act for it.
+    /// Whether every client that knows the name of the session may act on it.
     shared: bool,
-    /// Its client is gone, or has closed it.
+    /// Whether the client has disconnected or closed the session.
     pub(super) closed: bool,
     pub(super) watchers: Vec<Box<dyn Sink>>,
 }
 
 impl Session {
-    /// Whose places it takes.
+    /// Returns the client that is charged for the session.
     pub(super) fn holder(&self) -> Holder {
         match self.closed {
             true => Holder::Was(self.client),
@@ -34,12 +34,12 @@ impl Session {
 }
 
 impl Desk {
-    /// A name for a connection.
+    /// Registers a connection as a client.
     pub(crate) fn client(&mut self, peer: Peer) -> Client {
         Client::new(self.number(), peer)
     }
 
-    /// Fails if a session belongs to another client that is still there.
+    /// Returns an error if the session belongs to another connected client.
     pub(super) fn may_act_in(
         &self,
         client: Client,
@@ -54,8 +54,8 @@ impl Desk {
         }
     }
 
-    /// Fails if a command or task, by its name, is not this client's to start, to end or to change. What there is none of is
-    /// another failure.
+    /// Returns an error if this command, task or session belongs to another connected client. An unknown name is no
+    /// error here.
     pub(crate) fn may_act(&self, client: Client, name: &str) -> Result<(), Failure> {
         let command = number_of(name, 'n').and_then(|n| self.commands.get(&n));
         let task = number_of(name, 't').and_then(|n| self.tasks.get(&n));
@@ -64,7 +64,8 @@ impl Desk {
         session.map_or(Ok(()), |session| self.may_act_in(client, session, name))
     }
 
-    /// Opens a session for a client and gives its name. For one that is shared, whoever knows the name may act.
+    /// Opens a session for a client and returns its name. On a shared session, every client that knows its name may
+    /// act.
     pub(crate) fn open_session(
         &mut self,
         name: &str,
@@ -91,17 +92,17 @@ impl Desk {
             name => format!(" of {name}"),
         };
         self.journal
-            .note(format_args!("session s{number}{of} is opened"));
+            .note(format_args!("session s{number}{of} was opened"));
         Ok(format!("s{number}"))
     }
 
-    /// The number of a session.
+    /// Returns the number of a session.
     pub(super) fn session(&self, name: &str) -> Result<u64, Failure> {
         let found = number_of(name, 's').filter(|n| self.sessions.contains_key(n));
         found.ok_or_else(|| Failure::Unknown(format!("session {name}")))
     }
 
-    /// A session whose client was lost is taken up again by whoever knows its name, and is lost with them: true if it was.
+    /// Lets a client take over a session whose client has disconnected. Returns whether it did.
     pub(crate) fn take_up(&mut self, name: &str, client: Client) -> bool {
         let session = number_of(name, 's').and_then(|n| self.sessions.get_mut(&n));
         session.is_some_and(|session| {
@@ -113,26 +114,27 @@ impl Desk {
         })
     }
 
-    /// Names of the sessions and of those who opened them.
+    /// Returns the names of all sessions with the names that their clients gave.
     pub(crate) fn sessions(&self) -> impl Iterator<Item = (String, &str)> {
         let sessions = self.sessions.iter();
         sessions.map(|(number, session)| (format!("s{number}"), session.name.as_str()))
     }
 
-    /// A client is gone: its sessions have nobody, and nobody tells it anything.
+    /// Called when a client has disconnected: ends its sessions and subscriptions.
     pub(crate) fn lose_client(&mut self, client: Client, sessions: &[String]) {
         self.drop_idle_rules(client);
         sessions.iter().for_each(|name| self.lose_session(name));
         self.forget_deaf();
     }
 
-    /// The client of a session is gone: what it has asked for in that case is done.
+    /// Applies the loss policy of a session whose client has disconnected.
     fn lose_session(&mut self, name: &str) {
         let Some(number) = number_of(name, 's') else {
             return;
         };
-        self.journal
-            .note(format_args!("the client of session {name} is gone"));
+        self.journal.note(format_args!(
+            "the client of session {name} has disconnected"
+        ));
         if let Some(session) = self.sessions.get_mut(&number) {
             session.closed = true;
             let on_loss = session.on_loss;
@@ -141,7 +143,7 @@ impl Desk {
         }
     }
 
-    /// Ends all commands of a session by force, and the session with them.
+    /// Aborts all commands of a session and closes it.
     pub(crate) fn abort_session(&mut self, name: &str) -> Result<(), Failure> {
         let number = self.session(name)?;
         if let Some(session) = self.sessions.get_mut(&number) {
@@ -152,7 +154,7 @@ impl Desk {
         Ok(())
     }
 
-    /// Tells somebody whether a session is open, now and whenever that changes.
+    /// Subscribes to a session: reports whether it is open, now and at each change.
     pub(crate) fn watch_session(
         &mut self,
         name: &str,
@@ -174,7 +176,7 @@ impl Desk {
             }
         }
         self.let_go_of_tasks(session, on_loss);
-        // A task lets go of its own commands.
+        // With `RunOn`, a running task decides about its own commands.
         let runs_on = on_loss == OnLoss::RunOn;
         let own = self.commands.iter().filter(|(_, r)| r.session == session);
         let own = own.filter(|(_, r)| !(runs_on && r.task.is_some()));
@@ -191,7 +193,7 @@ impl Desk {
         }
     }
 
-    /// Lets a command run on, or wait for what will start it; one that nobody has started is unloaded.
+    /// Lets a command run, or wait for its rule. A command that is only ready is unloaded.
     fn leave(&mut self, number: u64) {
         self.unload_at_end(number);
         let phase = self.commands.get(&number).map(|r| r.status.phase);
@@ -200,7 +202,7 @@ impl Desk {
         }
     }
 
-    /// Lets a command end: what runs is asked to, what waits is unloaded, and so is the rest once it has ended.
+    /// Ends a command: a running one is cancelled and then unloaded, any other one is unloaded.
     fn retire(&mut self, number: u64) {
         let phase = self.commands.get(&number).map(|r| r.status.phase);
         self.unload_at_end(number);
@@ -224,7 +226,7 @@ impl Desk {
         }
     }
 
-    /// A session that is closed and owns nothing any more is forgotten.
+    /// Removes a closed session that owns no command or task any more.
     pub(super) fn close_if_empty(&mut self, number: u64) {
         let owns = self.commands.values().any(|r| r.session == number);
         let owns = owns || self.tasks.values().any(|t| t.session == number);

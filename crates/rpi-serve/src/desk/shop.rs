@@ -1,4 +1,5 @@
-//! What a task asks of the desk that carries it out: its commands are commands of the desk, under names that clients can watch.
+//! Adapter between a running task and the server state. The task's commands are ordinary commands of the server, with
+//! names that clients can watch.
 
 use std::sync::{Arc, PoisonError};
 
@@ -12,10 +13,10 @@ use super::owed::Debt;
 use super::tasks::TaskRecord;
 use super::{Desk, Phase};
 
-/// The core as a task of the desk sees it.
+/// The core as seen by a running task.
 pub(super) struct Shop<'d> {
     pub(super) desk: &'d mut Desk,
-    /// The task's.
+    /// Number of the task.
     pub(super) number: u64,
 }
 
@@ -30,7 +31,7 @@ impl Shop<'_> {
         script.map_or(&[], |script| &script.images)
     }
 
-    /// A command of the task, in memory and guarded.
+    /// Loads a command of the task and sets its policies.
     fn make(&self, index: usize, image: &Arc<Image>) -> Result<Box<Command>, Rejected> {
         let twin = self.desk.twin.lock();
         let mut twin = twin.unwrap_or_else(PoisonError::into_inner);
@@ -56,7 +57,7 @@ impl Workshop for Shop<'_> {
     fn load(&mut self, index: usize) -> Result<CommandId, Rejected> {
         let image = self.image(index);
         let command = self.make(index, &image)?;
-        // Its image is the task's, and counted there.
+        // The image belongs to the task and is counted there.
         let bytes = command.machine().memory();
         let room = self.desk.has_memory_left(self.number, bytes);
         room.map_err(|_| Rejected::Memory)?;
@@ -122,7 +123,7 @@ impl Workshop for Shop<'_> {
         let names = indices.iter().map(|index| self.image(*index).name.clone());
         let names = names.collect::<Vec<_>>().join(" and ");
         if let Some(record) = self.record() {
-            record.status.trouble = Some(format!("{names} cannot be started: {why}"));
+            record.status.trouble = Some(format!("cannot start {names}: {why}"));
             record.changed = true;
         }
     }

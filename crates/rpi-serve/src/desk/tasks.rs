@@ -1,4 +1,4 @@
-//! Tasks of programs: loaded whole, and carried out beside the cycle as a client would that works ahead.
+//! Tasks of programs: loaded as a whole and executed outside the cycle thread, with lookahead.
 
 use std::sync::Arc;
 
@@ -15,25 +15,25 @@ use super::{Desk, Failure, Load, Phase, Reply, Sink, Update, answer, cause, numb
 use crate::limits::OnLoss;
 use crate::script::Script;
 
-/// Where a task is in its life.
+/// Life-cycle state of a task.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum TaskPhase {
-    /// Its commands are compiled.
+    /// Its commands are being compiled.
     Loading,
-    /// It can be started.
+    /// The task can be started.
     Ready,
-    /// It runs.
+    /// The task is running.
     Running,
-    /// It was asked to end.
+    /// The task was cancelled and has not ended yet.
     Cancelling,
-    /// It has ended so.
+    /// The task has ended.
     Ended(TaskEnd),
-    /// Gone.
+    /// The task was unloaded.
     Unloaded,
 }
 
 impl TaskPhase {
-    /// The word for it.
+    /// Returns the name of the state in the protocol.
     pub(crate) fn name(self) -> &'static str {
         match self {
             TaskPhase::Loading => "loading",
@@ -48,66 +48,66 @@ impl TaskPhase {
     }
 }
 
-/// A command of a task that has ended.
+/// An ended command of a task.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) struct Step {
     pub(super) id: CommandId,
     pub(crate) title: String,
     pub(crate) result: Option<String>,
     pub(crate) cause: &'static str,
-    /// Why it was ended by force, if it was.
+    /// Fault or reason of the abort, if the command did not end regularly.
     pub(crate) why: Option<&'static str>,
-    /// Where in the program the fault is that has ended it.
+    /// Location of the fault in the program, if a fault ended the command.
     pub(crate) place: Option<Place>,
-    /// The devices that it left moving, which brake on their own.
+    /// Devices that the command left moving; they brake on their own.
     pub(crate) braked: Vec<String>,
-    /// By how much it jumped as it took over, if it did.
+    /// Description of the discontinuity at its takeover, if there was one.
     pub(crate) jump: Option<String>,
     pub(crate) error: i64,
     pub(crate) cycles: u64,
-    /// A branch of the task is for its error.
+    /// Whether a branch of the task handles its error.
     pub(crate) handled: bool,
 }
 
-/// What clients are told of a task.
+/// Progress of a task, as reported to clients.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) struct TaskStatus {
     pub(crate) phase: TaskPhase,
-    /// Names and titles of the commands that run.
+    /// Names and titles of the running commands.
     pub(crate) running: Vec<(String, String)>,
-    /// The latest commands that have ended.
+    /// The latest ended commands.
     pub(crate) steps: Vec<Step>,
-    /// Successors that were not scheduled when their predecessors ended.
+    /// Number of successors that were not scheduled when their predecessors ended.
     pub(crate) late: u64,
-    /// Those of them that could have taken over in motion.
+    /// Number of those that could have taken over in motion.
     pub(crate) missed: u64,
-    /// What could not be started, and why.
+    /// Commands that could not be started, and the reason.
     pub(crate) trouble: Option<String>,
 }
 
-/// What the desk knows about a task.
+/// State of a task in the server.
 pub(super) struct TaskRecord {
     pub(super) session: u64,
     title: String,
-    /// Bytes that it takes.
+    /// Memory of the task in bytes.
     pub(super) bytes: usize,
-    /// What it was loaded from.
+    /// Source text.
     pub(super) text: Arc<str>,
     pub(super) script: Option<Script>,
-    /// What becomes of its commands if their cycles take too long.
+    /// Policy for its commands if their cycles take too long.
     pub(super) on_overrun: OnOverrun,
     task: Option<Task<Plan>>,
     pub(super) status: TaskStatus,
     pub(super) watchers: Vec<Box<dyn Sink>>,
-    /// Whoever waits for it to be loaded.
+    /// Callback for the result of loading.
     loading: Option<Reply>,
-    /// Nobody will look at it once it has ended.
+    /// Whether the task is to be unloaded once it has ended.
     unload_at_end: bool,
-    /// Something has changed that was not told.
+    /// Whether the status has changed since the latest report.
     pub(super) changed: bool,
 }
 
-/// Ended commands that are remembered of a task.
+/// Maximum number of ended commands kept for a task.
 const REMEMBERED: usize = 100;
 
 impl TaskRecord {
@@ -117,7 +117,7 @@ impl TaskRecord {
 }
 
 impl Desk {
-    /// Loads a task beside the cycle; the reply has its name.
+    /// Loads a task on the loader thread. The reply has its name.
     pub(crate) fn load_task(&mut self, load: &Load<'_>, reply: Reply) {
         let room = self.session(load.session);
         let room = room.and_then(|s| self.has_room(s, load.bytes()).map(|()| s));
@@ -167,7 +167,7 @@ impl Desk {
         self.send(job);
     }
 
-    /// Loading is done: the task can be started, or its owner hears why not.
+    /// Called when loading is finished: makes the task ready, or reports why it failed.
     pub(super) fn task_loaded(&mut self, number: u64, loaded: Result<Script, Vec<String>>) {
         let script = match loaded {
             Ok(script) => script,
@@ -186,7 +186,7 @@ impl Desk {
         self.forget_task_if_abandoned(number);
     }
 
-    /// Loading has failed: the task is no more.
+    /// Removes a task whose loading failed and reports the error.
     pub(super) fn reject_task(&mut self, number: u64, why: Failure) {
         if let Some(mut record) = self.tasks.remove(&number) {
             let task = called(&format!("t{number}"), &record.title);
@@ -209,7 +209,7 @@ impl Desk {
         Ok((number, record))
     }
 
-    /// Starts a task: what it begins with starts in one of the next ticks. It can be started once.
+    /// Starts a task; its first commands start in one of the next ticks. A task can be started only once.
     pub(crate) fn start_task(&mut self, name: &str) -> Result<(), Failure> {
         self.may_start()?;
         let (_, record) = self.task(name)?;
@@ -223,7 +223,7 @@ impl Desk {
         Ok(())
     }
 
-    /// Asks a task to end: nothing follows, and what runs is asked to end.
+    /// Cancels a task: no further command starts, and running ones are cancelled.
     pub(crate) fn cancel_task(&mut self, name: &str) -> Result<(), Failure> {
         let (number, record) = self.task(name)?;
         match record.status.phase {
@@ -237,7 +237,7 @@ impl Desk {
         }
     }
 
-    /// Everything is stopped: no task goes on.
+    /// Stops all tasks because of an emergency stop.
     pub(super) fn stop_tasks(&mut self) {
         for number in self.tasks_under_way() {
             self.with_task(number, |task, shop| task.stop(shop));
@@ -249,7 +249,7 @@ impl Desk {
         under_way.map(|(number, _)| *number).collect()
     }
 
-    /// Lets go of a task; one that runs is forgotten when it has ended.
+    /// Unloads a task. A running one is unloaded when it has ended.
     pub(crate) fn unload_task(&mut self, name: &str) -> Result<(), Failure> {
         let (number, record) = self.task(name)?;
         record.unload_at_end = true;
@@ -257,7 +257,7 @@ impl Desk {
         Ok(())
     }
 
-    /// How far a task is.
+    /// Returns the progress of a task.
     pub(crate) fn task_status(&self, name: &str) -> Result<&TaskStatus, Failure> {
         let number = self.task_number(name)?;
         let record = self.tasks.get(&number);
@@ -265,13 +265,13 @@ impl Desk {
         Ok(&record.status)
     }
 
-    /// All tasks by their names.
+    /// Returns all tasks with name, title and progress.
     pub(crate) fn tasks(&self) -> impl Iterator<Item = (String, &str, &TaskStatus)> {
         let tasks = self.tasks.iter();
         tasks.map(|(number, r)| (format!("t{number}"), r.title.as_str(), &r.status))
     }
 
-    /// Tells somebody how far a task is, now and whenever that changes.
+    /// Subscribes to a task: reports its progress now and at each change.
     pub(crate) fn watch_task(
         &mut self,
         name: &str,
@@ -284,13 +284,13 @@ impl Desk {
         Ok(())
     }
 
-    /// Lets tasks hear what has happened.
+    /// Passes an event of the cycle to all tasks.
     pub(super) fn tasks_hear(&mut self, event: &Event) {
         let tasks = self.tasks.values_mut().filter_map(|r| r.task.as_mut());
         tasks.for_each(|task| task.hear(event));
     }
 
-    /// Lets tasks go on, and tells how far they are.
+    /// Advances all running tasks and reports their progress.
     pub(super) fn advance_tasks(&mut self) {
         for number in self.tasks_under_way() {
             self.with_task(number, |task, shop| task.advance(shop));
@@ -298,7 +298,7 @@ impl Desk {
         }
     }
 
-    /// Hands a task to `then`, with the core as it sees it.
+    /// Calls `then` with a running task and its view of the core.
     fn with_task(&mut self, number: u64, then: impl FnOnce(&mut Task<Plan>, &mut Shop<'_>)) {
         let record = self.tasks.get_mut(&number);
         let Some(mut task) = record.and_then(|r| r.task.take()) else {
@@ -354,7 +354,7 @@ impl Desk {
         }
     }
 
-    /// A command has ended: its task keeps how.
+    /// Adds an ended command to the progress of its task.
     pub(super) fn note_step(&mut self, id: CommandId) {
         let number = self.by_id.get(&id).and_then(|n| self.commands.get(n));
         let Some((task, record)) = number.and_then(|r| Some((r.task?, r))) else {
@@ -385,7 +385,7 @@ impl Desk {
         }
     }
 
-    /// The client of a session is gone: its tasks end, or run on to their end.
+    /// Called when the client of a session has disconnected: cancels its tasks, unless the policy lets them run.
     pub(super) fn let_go_of_tasks(&mut self, session: u64, on_loss: OnLoss) {
         let own = self.tasks.iter().filter(|(_, r)| r.session == session);
         let own: Vec<u64> = own.map(|(number, _)| *number).collect();
@@ -412,7 +412,7 @@ impl Desk {
         }
     }
 
-    /// A task is no more: whoever watches it is told, as nothing else will come.
+    /// Removes a task and reports to its subscribers that it is unloaded.
     pub(super) fn forget_task(&mut self, number: u64) {
         self.tell_progress(number);
         if let Some(mut record) = self.tasks.remove(&number) {

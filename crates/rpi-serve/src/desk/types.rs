@@ -1,4 +1,4 @@
-//! What the desk and those who speak with clients say to one another.
+//! Types shared by the server state and the protocol front ends.
 
 use std::fmt;
 
@@ -8,34 +8,35 @@ use super::place::Place;
 use super::tasks::TaskStatus;
 use crate::fair::Full;
 
-/// Where a command is in its life, as clients see it.
+/// Life-cycle state of a command, as clients see it.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Phase {
-    /// In the table, or on its way into it.
+    /// In the command table, or on its way into it.
     Is(State),
-    /// Gone.
+    /// Removed from the table.
     Unloaded,
 }
 
-/// What a command has told so far.
+/// State of a command and how it has ended.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Status {
     pub(crate) phase: Phase,
     pub(crate) ending: Option<Ending>,
-    /// The name of the result with which it has ended.
+    /// Name of the result with which the command has ended.
     pub(crate) result: Option<String>,
-    /// Where in the program the fault is that has ended it.
+    /// Location of the fault in the program, if a fault ended the command.
     pub(crate) place: Option<Place>,
-    /// The devices that it left moving, which brake on their own.
+    /// Devices that the command left moving; they brake on their own.
     pub(crate) braked: Vec<String>,
-    /// By how much its first set-points did not join those of whoever went before, if they did not.
+    /// Description of the discontinuity between its first set-points and those of its predecessor, if there was one.
     pub(crate) jump: Option<String>,
-    /// Another has started in its place: by the rule that stopped it, or because it ended in motion by `yield`.
+    /// Whether another command has taken over: started by the rule that stopped this one, or after this one ended in
+    /// motion by `yield`.
     pub(crate) taken_over: bool,
 }
 
 impl Status {
-    /// That of a command that has not ended.
+    /// Creates the status of a command that has not ended.
     pub(crate) fn new(phase: Phase) -> Status {
         Status {
             phase,
@@ -49,103 +50,103 @@ impl Status {
     }
 }
 
-/// What has become of a rule.
+/// State of a rule.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum RuleState {
-    /// It may still fire.
+    /// The rule may still fire.
     Active,
-    /// It has fired.
+    /// The rule has fired.
     Fired,
-    /// Its condition came true, but what it was to start could not be.
+    /// The condition came true, but a command could not be started.
     Failed,
-    /// It can no longer fire.
+    /// The rule can no longer fire.
     Dropped,
 }
 
-/// A device as clients see it.
+/// A device, as clients see it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct DeviceInfo {
     pub(crate) name: String,
-    /// Its type, as whoever made it calls it.
+    /// Type of the device, as named by its creator.
     pub(crate) kind: String,
-    /// Its error code; 0 while it is well.
+    /// Error code; 0 if there is no error.
     pub(crate) code: i64,
-    /// Whether it moves.
+    /// Whether the device moves.
     pub(crate) moving: bool,
-    /// What it offers: interfaces by name, with their parameters.
+    /// Interfaces by name, with their parameters.
     pub(crate) interfaces: Vec<(&'static str, Vec<(String, String)>)>,
 }
 
-/// Something that a client has asked to be told.
+/// An update to a subscriber.
 #[derive(Debug)]
 pub(crate) enum Update<'a> {
-    /// The state of the command.
+    /// State of the command.
     Command(&'a Status),
-    /// By how much the command has jumped as it took over.
+    /// Description of the discontinuity at the takeover by the command.
     Jumped(&'a str),
-    /// Exports of the command that have changed: key and value.
+    /// Changed exports of the command: key and value.
     Values(&'a [(String, String)]),
-    /// The state of the rule.
+    /// State of the rule.
     Rule(RuleState),
     /// Whether the session is open.
     Session(bool),
-    /// Who has stopped everything, if somebody has.
+    /// Who requested the emergency stop in force; `None` if there is none.
     Emergency(Option<&'a str>),
-    /// How far the task is.
+    /// Progress of the task.
     Task(&'a TaskStatus),
-    /// A device is there.
+    /// A device was added.
     DeviceAdded(&'a DeviceInfo),
-    /// Whether a device is well; its error code if not.
+    /// Name of a device and its error code; 0 if there is no error.
     DeviceCondition(&'a str, i64),
-    /// A device is no more.
+    /// Name of a removed device.
     DeviceRemoved(&'a str),
 }
 
-/// Somebody who is told.
+/// Subscriber of updates.
 pub(crate) trait Sink: Send {
-    /// Tells; false if nobody listens any more. Must not wait.
+    /// Sends an update. Returns false if the client is disconnected. Must not block.
     fn tell(&mut self, update: &Update<'_>) -> bool;
 
-    /// Whether somebody listens still.
+    /// Returns whether the client is still connected.
     fn is_heard(&self) -> bool;
 }
 
-/// What was asked for could not be done.
+/// Error of a request.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Failure {
-    /// There is no such thing.
+    /// Unknown name of an object; the text is its kind and name.
     Unknown(String),
-    /// The request makes no sense.
+    /// Invalid request; the text is the whole message.
     Bad(String),
-    /// The command cannot run: every reason.
+    /// The command or task cannot be loaded; all reasons.
     Rejected(Vec<String>),
-    /// The control core refused it.
+    /// The control core refused the request.
     Refused(Refused),
-    /// It is in use, by whom and for what.
+    /// The object is in use; the text says by what.
     InUse(String),
-    /// The control core refused it, as somebody holds what is needed: what, who.
+    /// The control core refused the request because another command holds a resource; the text names both.
     Held(String),
-    /// Its session belongs to another client.
+    /// The session of this object belongs to another client.
     NotYours(String),
-    /// Everything is stopped, by whom.
+    /// Emergency stop in force; the text says who requested it.
     Stopped(String),
-    /// More than the server grants.
+    /// A limit of the server is reached.
     Limit(&'static str),
-    /// More than the server grants one client beside others.
+    /// The share of the client in a limit is reached.
     Share(&'static str),
-    /// More than the server grants all clients from one place beside others.
+    /// The share of all clients of the peer in a limit is reached.
     Place(&'static str),
-    /// More of a tick than commands may take.
+    /// The command would exceed the share of a tick that commands may take.
     TooMuch(TooMuch),
-    /// The server has too much to do.
+    /// The request queue is full.
     Busy,
 }
 
-/// The limit on what commands and tasks take.
+/// Name of the memory limit in messages.
 pub(super) const MEMORY: &str = "memory";
 
 impl Failure {
-    /// A limit on this is reached.
+    /// Creates the error for a limit on `what`.
     pub(super) fn limit(full: Full, what: &'static str) -> Failure {
         match full {
             Full::All => Failure::Limit(what),
@@ -155,12 +156,12 @@ impl Failure {
     }
 }
 
-/// As much of what somebody calls something as is kept: `most` bytes.
+/// Truncates a name to at most `most` bytes.
 pub(super) fn shortened(name: &str, most: usize) -> String {
     name[..name.floor_char_boundary(most)].to_owned()
 }
 
-/// Is told what became of a request; the text is the name of what was made, if something was.
+/// Callback for the result of a request. The text is the name of the created object; empty if there is none.
 pub(crate) type Reply = Box<dyn FnOnce(Result<String, Failure>) + Send>;
 
 impl From<Rejected> for Failure {
@@ -190,61 +191,63 @@ impl fmt::Display for Failure {
             Failure::Stopped(by) => {
                 write!(
                     f,
-                    "everything is stopped since an emergency stop by {by}; it must be reset first (`emergency.reset`)"
+                    "emergency stop by {by} is in force; reset it first (`emergency.reset`)"
                 )
             }
             Failure::Limit(what) => write!(f, "limit reached: {what}"),
             Failure::Share(what) => write!(
                 f,
-                "limit reached: {what} of one client, which has as much as it leaves free for others; unload or close what is not needed any more"
+                "limit reached: {what} of one client; unload or close what is no longer needed"
             ),
             Failure::Place(what) => write!(
                 f,
-                "limit reached: {what} of all clients from one place, which have no more than three times what they leave free for others; unload, close or remove what is not needed any more"
+                "limit reached: {what} of all clients of one peer; unload, close or remove what is no longer needed"
             ),
             Failure::TooMuch(why) => {
                 let alone = why.needed_ns > why.granted_ns;
-                let less = "let it do less in a cycle, measure the machine (`rpic machine`, `rpi serve --machine FILE`) or grant more (`--cycle-share`)";
+                let less = "reduce its work per cycle, measure the machine (`rpic machine`, `rpi serve --machine FILE`) or raise `--cycle-share`";
                 match alone {
                     true => write!(f, "{why}; {less}"),
-                    false => write!(f, "{why}; end or unschedule others first, {less}"),
+                    false => write!(f, "{why}; end or unschedule other commands first, {less}"),
                 }
             }
-            Failure::Busy => f.write_str("the server has too much to do, try again"),
+            Failure::Busy => f.write_str("the request queue of the server is full; try again"),
         }
     }
 }
 
-/// Where a command is in its life, with what helps.
+/// Describes the state of a command, with a hint for the next action.
 fn told(state: State) -> &'static str {
     match state {
         State::Loading => "it is being loaded",
         State::Rejected => "it cannot run here",
-        State::Ready => "it is ready, and does not run",
+        State::Ready => "it is ready, but not running",
         State::Scheduled => {
-            "it is scheduled, a rule will start it; withdrawing that, or unloading it, takes it off"
+            "it is scheduled by a rule; withdraw the rule or unload the command first"
         }
-        State::Running => "it runs already",
-        State::Cancelling => "it runs, and was asked to end",
-        State::Terminated => "it has ended; what is to run again is loaded again",
+        State::Running => "it is already running",
+        State::Cancelling => "it is running and being cancelled",
+        State::Terminated => "it has ended; load it again to run it again",
     }
 }
 
-/// Why the core has refused something; `actuator` is what people call the one that is held.
+/// Describes why the core refused a request. `actuator` is the display name of the held actuator.
 pub(crate) fn refused(why: Refused, actuator: &str) -> String {
     match why {
-        Refused::Unknown => "the control core does not know it".to_owned(),
-        Refused::State(state) => format!("that does not fit its state: {}", told(state)),
+        Refused::Unknown => "unknown command or rule".to_owned(),
+        Refused::State(state) => format!("not possible in this state: {}", told(state)),
         Refused::Held { .. } => format!("{actuator} is held by another command"),
-        Refused::Successor => "a command would follow itself or start twice".to_owned(),
-        Refused::Never => "the rule could never fire".to_owned(),
+        Refused::Successor => {
+            "a command cannot follow itself or be started twice by one rule".to_owned()
+        }
+        Refused::Never => "the rule can never fire".to_owned(),
         Refused::Condition => "the condition is nested too deeply".to_owned(),
-        Refused::Period => "the period is no whole multiple of the tick".to_owned(),
-        Refused::Full => "the table is full".to_owned(),
+        Refused::Period => "the period must be a whole multiple of the tick".to_owned(),
+        Refused::Full => "the command table is full".to_owned(),
     }
 }
 
-/// How a command has ended, in words.
+/// Returns the kind of ending as text.
 pub(crate) fn cause(ending: &Ending) -> &'static str {
     match ending.cause {
         Cause::Result(_) => "result",
@@ -255,7 +258,7 @@ pub(crate) fn cause(ending: &Ending) -> &'static str {
     }
 }
 
-/// Why it has ended so, where that is not its own doing.
+/// Describes the fault or the reason of an abort; `None` if the command ended regularly.
 pub(crate) fn why(ending: &Ending) -> Option<&'static str> {
     match ending.cause {
         Cause::Fault(fault) => Some(rpi_host::run::fault_text(fault.code)),

@@ -1,4 +1,4 @@
-//! Who is told what: states at once, exported values now and then.
+//! Subscriptions to commands: states are reported at once, exported values periodically.
 
 use std::time::{Duration, Instant};
 
@@ -9,30 +9,30 @@ use rpi_net::literal;
 
 use super::{Desk, Failure, Phase, Record, Sink, Status, Update};
 
-/// What somebody wants to be told about a command.
+/// A request to subscribe to a command.
 pub(crate) struct Watching {
-    /// Least time between two updates of values.
+    /// Minimum time between two updates of values.
     pub(crate) period: Duration,
-    /// How long after its last values a command's end is told, for clients that take both apart again. Zero for those
-    /// that take things as they come, and that need not be told either that what was taken over is complete.
+    /// Delay between the last values and the end of a command, for clients that handle values and states separately.
+    /// Zero for clients that handle updates in order; those are also not sent completion results.
     pub(crate) settle: Duration,
     pub(crate) sink: Box<dyn Sink>,
 }
 
-/// Somebody who is told about a command.
+/// A subscription to a command.
 pub(super) struct Subscription {
     period: Duration,
     settle: Duration,
     due: Instant,
-    /// An end that is yet to be told, and when.
+    /// An end of the command that is not reported yet, with the time to report it.
     late: Option<(Instant, Status)>,
-    /// What it knows already.
+    /// Memory slots of the exports at the latest report.
     last: Vec<u64>,
     sink: Box<dyn Sink>,
 }
 
 impl Subscription {
-    /// Tells a state, after what is yet to be told; an end only once the values before it have settled.
+    /// Reports a state, after a delayed end. If there is a settling time, an end is delayed by it.
     fn tell(&mut self, status: &Status, now: Instant) -> bool {
         let listens = self.tell_late(None);
         if status.phase == Phase::Is(State::Terminated) && !self.settle.is_zero() {
@@ -42,7 +42,7 @@ impl Subscription {
         listens && self.sink.tell(&Update::Command(status))
     }
 
-    /// Tells an end for which it is time; without a time, in any case.
+    /// Reports the delayed end if its time has come; with `None`, in any case.
     fn tell_late(&mut self, now: Option<Instant>) -> bool {
         let due = |(at, _): &mut (Instant, Status)| now.is_none_or(|now| *at <= now);
         match self.late.take_if(due) {
@@ -51,7 +51,7 @@ impl Subscription {
         }
     }
 
-    /// Tells the values that have changed.
+    /// Reports the changed values.
     fn tell_values(&mut self, exports: &[Export], cells: &[u64], now: Instant) {
         self.due = now + self.period;
         let changed = changed(exports, &self.last, cells);
@@ -66,17 +66,17 @@ impl Subscription {
     }
 }
 
-/// Too many things are watched by one client.
-pub(crate) const TOO_CURIOUS: Failure = Failure::Limit("things that one client watches");
+/// Error of a client with too many subscriptions.
+pub(crate) const TOO_CURIOUS: Failure = Failure::Limit("subscriptions of one client");
 
-/// How long values of a command that a rule has started are held back at most, until somebody has been told that the rule
-/// fired: clients that need time to settle understand them only in this order.
+/// Maximum time for which values of a command started by a rule are withheld until the firing of the rule was reported.
+/// Clients with a settling time need the updates in this order.
 const HELD: Duration = Duration::from_millis(200);
-/// Values are not looked at more often than this.
+/// Minimum period of a subscription.
 const LEAST: Duration = Duration::from_millis(1);
 
 impl Desk {
-    /// Tells somebody about a command: its state now and whenever it changes, and its exports.
+    /// Subscribes to a command: reports its state now and at each change, and its exports.
     pub(crate) fn watch(&mut self, name: &str, watching: Watching) -> Result<(), Failure> {
         let (number, _) = self.find(name)?;
         let Some(record) = self.commands.get_mut(&number) else {
@@ -98,7 +98,7 @@ impl Desk {
         Ok(())
     }
 
-    /// Forgets everybody who does not listen any more.
+    /// Removes the subscriptions of disconnected clients.
     pub(super) fn forget_deaf(&mut self) {
         let records = self.commands.values_mut();
         records.for_each(|r| r.subscriptions.retain(|s| s.sink.is_heard()));
@@ -106,13 +106,13 @@ impl Desk {
             .for_each(|list| list.retain(|s| s.is_heard()));
     }
 
-    /// How many watch something else than a command.
+    /// Returns the number of subscriptions to anything but commands.
     #[cfg(test)]
     pub(crate) fn watching(&mut self) -> usize {
         self.watchers().map(|list| list.len()).sum()
     }
 
-    /// Everybody who watches something else than a command.
+    /// Returns all lists of subscribers to anything but commands.
     fn watchers(&mut self) -> impl Iterator<Item = &mut Vec<Box<dyn Sink>>> {
         let sessions = self.sessions.values_mut().map(|s| &mut s.watchers);
         let rules = self.rules.values_mut().map(|r| &mut r.watchers);
@@ -121,7 +121,7 @@ impl Desk {
         sessions.chain(rules).chain(tasks).chain(others)
     }
 
-    /// Tells the exports that have changed to those for whom it is time.
+    /// Reports changed exports to all subscriptions that are due.
     pub(super) fn publish(&mut self) {
         let now = Instant::now();
         self.commands.values_mut().for_each(|r| r.publish(now));
@@ -129,7 +129,7 @@ impl Desk {
 }
 
 impl Record {
-    /// Tells everybody the state; before an end the values that led to it.
+    /// Reports the state to all subscribers; before an end, the values that led to it.
     pub(super) fn tell_state(&mut self) {
         let now = Instant::now();
         match self.status.phase {
@@ -144,7 +144,7 @@ impl Record {
         self.subscriptions.retain_mut(|s| s.tell(&self.status, now));
     }
 
-    /// Tells everybody that it has jumped.
+    /// Reports a discontinuity to all subscribers.
     pub(super) fn tell_jump(&mut self, jump: &str) {
         let told = |s: &mut Subscription| s.sink.tell(&Update::Jumped(jump));
         self.subscriptions.retain_mut(told);
@@ -157,19 +157,19 @@ impl Record {
         }
     }
 
-    /// The rule that started it has been told: so may be what it brings.
+    /// Called when the firing of the rule that started the command was reported: ends withholding its values.
     pub(super) fn release(&mut self) {
         self.held = None;
     }
 
-    /// Tells what is new to everybody who may know, however short ago they were told something.
+    /// Reports changed values to all subscribers, whatever their periods.
     pub(super) fn publish_now(&mut self) {
         let now = Instant::now();
         self.subscriptions.iter_mut().for_each(|s| s.due = now);
         self.publish(now);
     }
 
-    /// Tells those who need time to settle that a Boolean which it exports is this, whatever it is.
+    /// Reports a value of a Boolean export to subscribers with a settling time, regardless of its actual value.
     pub(super) fn tell_flag(&mut self, key: &str, value: bool) {
         let told = [(key.to_owned(), value.to_string())];
         let slow = |s: &&mut Subscription| !s.settle.is_zero();
@@ -182,7 +182,7 @@ impl Record {
         self.held.is_some_and(|until| now < until)
     }
 
-    /// Whether somebody is not told its values yet.
+    /// Returns whether values are withheld from some subscriber.
     pub(super) fn is_held_back(&self, now: Instant) -> bool {
         self.is_held(now) && self.subscriptions.iter().any(|s| !s.settle.is_zero())
     }
@@ -208,7 +208,7 @@ impl Record {
     }
 }
 
-/// The present values that differ from what was told last.
+/// Returns the exports with a present value that differs from the latest report: key and text.
 fn changed(exports: &[Export], last: &[u64], now: &[u64]) -> Vec<(String, String)> {
     let mut before = Board::values(exports, last);
     let now = Board::values(exports, now);
@@ -220,13 +220,13 @@ fn changed(exports: &[Export], last: &[u64], now: &[u64]) -> Vec<(String, String
     news.collect()
 }
 
-/// All present values as texts.
+/// Returns all exports with a present value: key and text.
 pub(crate) fn texts(exports: &[Export], cells: &[u64]) -> Vec<(String, String)> {
     changed(exports, &[], cells)
 }
 
 impl Record {
-    /// What it exports now: key and value.
+    /// Returns the current exports: key and text.
     pub(crate) fn values(&self) -> Vec<(String, String)> {
         let cells = self.board.as_ref().and_then(|board| board.read());
         match (cells, &self.image) {
@@ -237,29 +237,29 @@ impl Record {
 }
 
 impl Record {
-    /// How many cycles it has run.
+    /// Returns the number of cycles that the command has run.
     pub(crate) fn cycles(&self) -> u64 {
         self.board.as_ref().map_or(0, |board| board.cycles())
     }
 
-    /// Its period, nanoseconds.
+    /// Returns the period in nanoseconds.
     pub(crate) fn period_ns(&self) -> u64 {
         self.image.as_ref().map_or(0, |image| image.period_ns)
     }
 
-    /// How many of its cycles took too long, and the worst of them; nothing if none did.
+    /// Returns the number of overruns and the worst one; `None` if there was none.
     pub(crate) fn overruns(&self) -> Option<(u64, Overrun)> {
         self.board.as_ref().and_then(|board| board.overruns())
     }
 
-    /// The path of one of its fragments: empty for the command itself.
+    /// Returns the path of a fragment; empty for the command itself.
     pub(crate) fn fragment(&self, index: u32) -> Option<&str> {
         let image = self.image.as_ref()?;
         let fragment = image.fragments.get(index as usize)?;
         Some(&fragment.path)
     }
 
-    /// Bytes that it takes.
+    /// Returns the memory of the command in bytes.
     pub(crate) fn bytes(&self) -> usize {
         self.bytes
     }

@@ -1,4 +1,4 @@
-//! One client of the DirectIO protocol: its requests, and the sessions that it has opened.
+//! DirectIO connection of one client: its requests and sessions.
 
 use std::time::Duration;
 
@@ -11,26 +11,26 @@ use crate::limits::OnLoss;
 use crate::peer::Peer;
 use crate::wire::{Front, Outbox};
 
-/// The versions of the protocol that are spoken: all of this generation.
+/// Supported protocol version; all versions with the same major number are accepted.
 const VERSION: &str = "2.0";
 
-/// The reference system's clients hand values on in a queue but take states at once: an end that follows right upon the
-/// result that brought it about would be seen without it.
+/// Delay between the last values and the end of a command. Clients of the reference system queue values but handle
+/// states at once, so without the delay they would see the end before the result that caused it.
 const SETTLE: Duration = Duration::from_millis(20);
 
-/// A client.
+/// DirectIO connection of one client.
 pub(crate) struct DioFront {
     office: Office,
     client: Client,
     out: Outbox,
-    /// Those that it has opened.
+    /// Names of the sessions that the client has opened or taken over.
     sessions: Vec<String>,
 }
 
-/// What a request does.
+/// Handler of a request.
 type Handler = fn(&mut DioFront, &Message) -> Result<(), Failure>;
 
-/// All requests by name.
+/// Handlers of all requests by name.
 const REQUESTS: &[(&str, Handler)] = &[
     ("ver", DioFront::version),
     ("nse", DioFront::new_session),
@@ -61,11 +61,12 @@ impl Front for DioFront {
         let message = match parse::parse(text) {
             Ok(message) => message,
             Err(why) => {
-                // Without a tag there is nobody to answer: the text up to `=` is the best guess.
+                // A malformed message has no tag. The text before `=` is the best guess for an answer that the client
+                // can match.
                 let tag = text.split('=').next().unwrap_or_default().trim();
                 let fits = tag.len() < 32 && tag.chars().all(|c| c.is_ascii_alphanumeric());
                 let tag = if fits { tag } else { "error" };
-                let what = format!("{} was expected at sign {}", why.expected, why.at);
+                let what = format!("expected {} at byte {}", why.expected, why.at);
                 return self.err(tag, &what);
             }
         };
@@ -103,7 +104,8 @@ impl DioFront {
         }
     }
 
-    /// Sessions of this protocol are everybody's who knows their names; those of the native interface are their client's.
+    /// Checks that the client may act on these commands, tasks or sessions. Sessions of this protocol are shared with
+    /// every client that knows their names; those of the native interface belong to one client.
     fn may_act<'n>(&self, names: impl Iterator<Item = &'n &'n str>) -> Result<(), Failure> {
         let (desk, client) = (self.office.desk(), self.client);
         let mut names = names;
@@ -118,7 +120,7 @@ impl DioFront {
         self.out.put(done(tag, Err(why.to_owned())))
     }
 
-    /// Answers under a tag, whenever that is.
+    /// Returns a callback that sends the result with this tag.
     fn reply(&self, tag: &str) -> Reply {
         let (out, tag) = (self.out.clone(), tag.to_owned());
         Box::new(move |result| {
@@ -172,7 +174,7 @@ impl DioFront {
             language: Language::Rpinet,
             text: text(message, 0)?,
             command: None,
-            // A negative or huge period saturates, and is then refused or rounded up.
+            // A negative or huge period saturates in the cast and is rejected or rounded up later.
             period_ns: (seconds.min(3600.0) * 1e9) as u64,
             on_overrun: None,
         };
@@ -204,7 +206,7 @@ impl DioFront {
             cancel: &texts(message, 2)?,
             start: &texts(message, 3)?,
             maker: self.client,
-            // Whoever loaded a net also unloads it.
+            // In this protocol, the client that loaded a net also unloads it.
             keep: true,
         };
         self.office.desk().may_say(&make)?;
@@ -217,13 +219,13 @@ impl DioFront {
 
     fn set_values(&mut self, message: &Message) -> Result<(), Failure> {
         let nets = message.args.first().and_then(Arg::as_map);
-        let nets = nets.ok_or_else(|| Failure::Bad("a map of nets is needed".to_owned()))?;
+        let nets = nets.ok_or_else(|| Failure::Bad("expected a map of nets".to_owned()))?;
         let mut values = Vec::new();
         for (net, keys) in nets {
             for (key, value) in keys.as_map().unwrap_or_default() {
                 let key = key.strip_prefix("in").unwrap_or(key);
                 let value = value.as_text();
-                let bad = || Failure::Bad(format!("the value of {key} is no text"));
+                let bad = || Failure::Bad(format!("the value of {key} must be a text"));
                 values.push((net.as_str(), key, value.ok_or_else(bad)?));
             }
         }
@@ -243,7 +245,7 @@ impl DioFront {
         };
         let mut desk = self.office.desk();
         desk.find(net)?;
-        // First the answer, then what it was about.
+        // The client expects `ok` before the first update.
         self.ok(&message.tag, "");
         desk.watch(net, watching)
     }
@@ -286,15 +288,20 @@ fn done(tag: &str, result: Result<String, String>) -> String {
 
 fn text(message: &Message, at: usize) -> Result<&str, Failure> {
     let found = message.args.get(at).and_then(Arg::as_text);
-    found.ok_or_else(|| Failure::Bad(format!("argument {at} of {} is no text", message.name)))
+    found.ok_or_else(|| Failure::Bad(format!("argument {at} of {} must be a text", message.name)))
 }
 
 fn texts(message: &Message, at: usize) -> Result<Vec<&str>, Failure> {
     let found = message.args.get(at).map_or(Some(Vec::new()), Arg::as_texts);
-    found.ok_or_else(|| Failure::Bad(format!("argument {at} of {} is no list", message.name)))
+    found.ok_or_else(|| {
+        Failure::Bad(format!(
+            "argument {at} of {} must be a list of texts",
+            message.name
+        ))
+    })
 }
 
-/// Exports by their own keys.
+/// Removes the prefix `out` from the export keys of a condition.
 fn without_prefix(expr: Expr) -> Expr {
     let inner = |expr: Box<Expr>| Box::new(without_prefix(*expr));
     match expr {

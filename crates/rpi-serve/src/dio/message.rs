@@ -1,4 +1,4 @@
-//! Messages of the DirectIO protocol 2.0 as data, and their text.
+//! Messages of the DirectIO protocol 2.0 and their text form.
 //!
 //! ```text
 //! message = tag "=" name "(" [ arg { "," arg } ] ")"
@@ -8,32 +8,32 @@
 
 use std::fmt::{self, Write};
 
-/// One message: a request, its answer, or what a subscription pushes.
+/// A message: a request, an answer, or an update of a subscription.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) struct Message {
-    /// Chosen by the client; answers and pushes carry the tag of their request.
+    /// Tag chosen by the client; answers and updates carry the tag of their request.
     pub(crate) tag: String,
-    /// What is asked or told.
+    /// Name of the request, answer or update.
     pub(crate) name: String,
-    /// With what.
+    /// Arguments.
     pub(crate) args: Vec<Arg>,
 }
 
-/// An argument.
+/// Argument of a message.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) enum Arg {
-    /// A text.
+    /// Text.
     Text(String),
-    /// A number.
+    /// Number.
     Number(f64),
-    /// A list.
+    /// List.
     List(Vec<Arg>),
-    /// A map, in the order of the text.
+    /// Map; entries keep the order of the text.
     Map(Vec<(String, Arg)>),
 }
 
 impl Message {
-    /// A message with these arguments.
+    /// Creates a message.
     pub(crate) fn new(tag: &str, name: &str, args: Vec<Arg>) -> Message {
         Message {
             tag: tag.to_owned(),
@@ -44,12 +44,12 @@ impl Message {
 }
 
 impl Arg {
-    /// A text.
+    /// Creates a text argument.
     pub(crate) fn text(text: impl Into<String>) -> Arg {
         Arg::Text(text.into())
     }
 
-    /// The text, if it is one.
+    /// Returns the text, if the argument is one.
     pub(crate) fn as_text(&self) -> Option<&str> {
         match self {
             Arg::Text(text) => Some(text),
@@ -57,7 +57,7 @@ impl Arg {
         }
     }
 
-    /// The number, if it is one.
+    /// Returns the number, if the argument is one.
     pub(crate) fn as_number(&self) -> Option<f64> {
         match self {
             Arg::Number(number) => Some(*number),
@@ -65,7 +65,7 @@ impl Arg {
         }
     }
 
-    /// The texts of a list of texts.
+    /// Returns the texts, if the argument is a list of texts.
     pub(crate) fn as_texts(&self) -> Option<Vec<&str>> {
         match self {
             Arg::List(list) => list.iter().map(Arg::as_text).collect(),
@@ -73,7 +73,7 @@ impl Arg {
         }
     }
 
-    /// The entries, if it is a map.
+    /// Returns the entries, if the argument is a map.
     pub(crate) fn as_map(&self) -> Option<&[(String, Arg)]> {
         match self {
             Arg::Map(entries) => Some(entries),
@@ -126,7 +126,7 @@ fn separated<T>(
     Ok(())
 }
 
-/// A text in quotes; quotes and backslashes in it are escaped, and a line break becomes a blank: the protocol has no
+/// Writes a text in quotes. Quotes and backslashes are escaped; a line break becomes a space, as the protocol has no
 /// escape for it.
 fn quoted(f: &mut fmt::Formatter<'_>, text: &str) -> fmt::Result {
     f.write_char('"')?;

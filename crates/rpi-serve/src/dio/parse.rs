@@ -1,23 +1,23 @@
-//! From text to messages.
+//! Parser of DirectIO messages.
 
 use super::message::{Arg, Message};
 
-/// Lists and maps deeper than this are refused: the protocol needs three levels.
+/// Maximum nesting depth of lists and maps; the protocol needs three levels.
 const DEPTH: usize = 16;
 
-/// Why a text is no message.
+/// Syntax error of a message.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) struct Malformed {
-    /// The byte at which it stops being one.
+    /// Byte offset of the error.
     pub(crate) at: usize,
-    /// What was expected there.
+    /// Expected syntax at this offset.
     pub(crate) expected: &'static str,
 }
 
-/// Reads a message.
+/// Parses a message.
 ///
 /// # Errors
-/// If the text is none.
+/// If the text is not a message.
 pub(crate) fn parse(text: &str) -> Result<Message, Malformed> {
     let mut reader = Reader { text, at: 0 };
     let tag = reader.identifier()?;
@@ -66,7 +66,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The signs up to the first that does not fit.
+    /// Skips blanks and returns the longest prefix of characters that satisfy `fits`.
     fn word(&mut self, fits: fn(char) -> bool) -> &'a str {
         self.blanks();
         let rest = self.rest();
@@ -83,7 +83,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// What stands between commas up to `end`.
+    /// Parses items separated by commas, up to and including `end`.
     fn several<T>(
         &mut self,
         end: char,
@@ -152,7 +152,7 @@ impl<'a> Reader<'a> {
             let rest = self.rest();
             let Some(stop) = rest.find(['"', '\\']) else {
                 self.at = start;
-                return Err(self.expected("a text that ends"));
+                return Err(self.expected("a closing quote"));
             };
             plain.push_str(&rest[..stop]);
             self.at += stop + 1;
@@ -196,7 +196,7 @@ mod tests {
     #[test]
     fn what_is_no_message_is_told_with_its_place() {
         assert_eq!(back(""), "a name at 0");
-        assert_eq!(back("c1=ver(\"2.0"), "a text that ends at 7");
+        assert_eq!(back("c1=ver(\"2.0"), "a closing quote at 7");
         assert_eq!(back("c1=ver(x)"), "a value at 7");
         assert_eq!(back("c1=ver()x"), "the end at 8");
         assert_eq!(back("c1=ver(1 2)"), "',' or the closing bracket at 9");

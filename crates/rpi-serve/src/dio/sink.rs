@@ -1,4 +1,4 @@
-//! What subscriptions push.
+//! Updates of DirectIO subscriptions.
 
 use rpi_core::State;
 
@@ -6,7 +6,7 @@ use super::message::{Arg, Message};
 use crate::desk::{DeviceInfo, Phase, RuleState, Sink, Update};
 use crate::wire::Post;
 
-/// Pushes under the tag of a subscription.
+/// Subscriber that sends updates with the tag of its subscription.
 pub(super) struct DioSink {
     pub(super) tag: String,
     pub(super) out: Post,
@@ -26,7 +26,7 @@ impl Sink for DioSink {
                 let state = if *open { "ACTIVE" } else { "TERMINATED" };
                 self.push("st", Arg::text(state))
             }
-            // The protocol has no word for these.
+            // The protocol has no message for these updates.
             Update::Emergency(_) | Update::Task(_) | Update::Jumped(_) => true,
             Update::DeviceAdded(info) => {
                 self.push("da", device(info)) && self.push_status(&info.name, condition(info.code))
@@ -56,7 +56,8 @@ impl DioSink {
     }
 }
 
-/// The protocol's words for a device that works, and for one that tells its state but does not move.
+/// Returns the protocol's word for the state of a device: operational, or safe-operational (reports its state but does
+/// not move).
 fn condition(code: i64) -> &'static str {
     match code {
         0 => "op",
@@ -64,7 +65,7 @@ fn condition(code: i64) -> &'static str {
     }
 }
 
-/// The protocol's words for where a command is in its life.
+/// Returns the protocol's word for the life-cycle state of a command.
 fn phase(phase: Phase) -> &'static str {
     match phase {
         Phase::Is(State::Loading) => "LOADING",

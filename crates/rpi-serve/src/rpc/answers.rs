@@ -1,4 +1,5 @@
-//! Where answers go: each by itself, those of a batch together, and those of notifications nowhere (JSON-RPC 2.0, sections 4.1, 6).
+//! Delivery of answers: a single request is answered directly, a batch by one message, a notification not at all
+//! (JSON-RPC 2.0, sections 4.1 and 6).
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -7,10 +8,10 @@ use serde_json::{Value, json};
 use crate::desk::Failure;
 use crate::wire::Outbox;
 
-/// Where the answer to a request goes.
+/// Destination of the answer to a request.
 #[derive(Clone)]
 pub(super) struct Answers {
-    /// The request's; none for a notification.
+    /// Id of the request; `None` for a notification.
     id: Option<Value>,
     way: Way,
 }
@@ -21,7 +22,7 @@ enum Way {
     Together(Arc<Mutex<Batch>>),
 }
 
-/// The answers of a batch, sent once there is none left to come.
+/// Answers of a batch, sent together once all requests are answered.
 struct Batch {
     left: usize,
     answers: Vec<Value>,
@@ -29,7 +30,7 @@ struct Batch {
 }
 
 impl Answers {
-    /// For a request by itself.
+    /// Creates the destination for a single request.
     pub(super) fn alone(request: &Value, out: &Outbox) -> Answers {
         Answers {
             id: id_of(request),
@@ -37,7 +38,7 @@ impl Answers {
         }
     }
 
-    /// For each request of a batch.
+    /// Creates the destinations for the requests of a batch.
     pub(super) fn together(requests: &[Value], out: &Outbox) -> Vec<Answers> {
         let batch = Batch {
             left: requests.len(),
@@ -69,7 +70,7 @@ impl Answers {
         self.send(json!({"error": error}))
     }
 
-    /// Whether whoever asks can tell by it which request an answer is for: the same text or number comes back (section 4).
+    /// Returns whether the id has an allowed type: text, whole number or null, or no id at all (section 4).
     pub(super) fn has_good_id(&self) -> bool {
         match &self.id {
             Some(Value::Number(number)) => number.is_i64() || number.is_u64(),
@@ -78,19 +79,19 @@ impl Answers {
         }
     }
 
-    /// The same way, for who cannot be told to whom it is an answer.
+    /// Returns a destination with the id null, for a request whose own id is invalid.
     pub(super) fn for_nobody(mut self) -> Answers {
         self.id = Some(Value::Null);
         self
     }
 
-    /// What is no request at all is answered all the same.
+    /// Answers an invalid request, even one without an id.
     pub(super) fn no_request(self) -> bool {
         self.for_somebody()
-            .error(-32600, "this is no request", Value::Null)
+            .error(-32600, "invalid request", Value::Null)
     }
 
-    /// The same way, and an answer even if none was asked for.
+    /// Returns a destination with the id null if the request had none, so that it is answered in any case.
     pub(super) fn for_somebody(mut self) -> Answers {
         self.id.get_or_insert(Value::Null);
         self
@@ -125,12 +126,13 @@ impl Batch {
     }
 }
 
-/// A request without an id is a notification; what is no request may have one.
+/// Returns the id of a request. A request without an id is a notification.
 fn id_of(request: &Value) -> Option<Value> {
     request.get("id").cloned()
 }
 
-/// Codes of the range that JSON-RPC leaves to servers, and -32602 for parameters.
+/// Returns the error code and data of a failure: -32602 for invalid parameters, else a code of the range reserved for
+/// servers.
 fn code_of(why: &Failure) -> (i64, Value) {
     match why {
         Failure::Bad(_) => (-32602, Value::Null),

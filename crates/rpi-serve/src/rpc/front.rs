@@ -1,4 +1,4 @@
-//! One client of the native interface.
+//! JSON-RPC connection of one client.
 
 use serde_json::{Value, json};
 
@@ -8,22 +8,22 @@ use crate::desk::{Client, Failure, Office, Reply};
 use crate::peer::Peer;
 use crate::wire::{Front, Outbox};
 
-/// A client.
+/// JSON-RPC connection of one client.
 pub(crate) struct RpcFront {
     pub(super) office: Office,
     pub(super) client: Client,
     pub(super) out: Outbox,
-    /// Those that it has opened.
+    /// Names of the sessions that the client has opened or taken over.
     pub(super) sessions: Vec<String>,
 }
 
-/// A request on its way through a method.
+/// Parameters and answer destination of a request.
 pub(super) struct Call<'a> {
     pub(super) params: &'a Value,
     answers: Answers,
 }
 
-/// What a method gives: an answer, or later.
+/// Result of a method. `None` if the answer follows later or was sent already.
 pub(super) type Answer = Result<Option<Value>, Failure>;
 
 impl Front for RpcFront {
@@ -89,11 +89,11 @@ impl RpcFront {
             return answers.error(-32601, &why, Value::Null);
         };
         if method.params.is_some() && !is_ours {
-            let why = "this is no request of JSON-RPC 2.0: `\"jsonrpc\": \"2.0\"` is missing";
+            let why = "invalid request: `\"jsonrpc\": \"2.0\"` is missing";
             return answers.for_somebody().error(-32600, why, Value::Null);
         }
         if method.params.is_some() && !answers.has_good_id() {
-            let why = "an id is a text, a whole number or null";
+            let why = "the id must be a text, a whole number or null";
             return answers.for_nobody().error(-32600, why, Value::Null);
         }
         let call = Call {
@@ -108,7 +108,7 @@ impl RpcFront {
         }
     }
 
-    /// Fails if one of these commands, tasks or sessions belongs to another client.
+    /// Returns an error if one of these commands, tasks or sessions belongs to another client.
     pub(super) fn may_act(&self, names: &[&str]) -> Result<(), Failure> {
         let desk = self.office.desk();
         names
@@ -118,13 +118,13 @@ impl RpcFront {
 }
 
 impl Call<'_> {
-    /// Fails if a parameter is none of the method's: what is misspelt would not be heard.
+    /// Returns an error if a parameter is unknown. A misspelt optional parameter would otherwise be ignored.
     fn takes(&self, method: &Method) -> Result<(), Failure> {
         let (given, known) = match (self.params, method.params) {
             (Value::Null, _) | (_, None) => return Ok(()),
             (Value::Object(given), Some(known)) => (given, known),
             _ => {
-                let why = "params: parameters are given by their names, in an object";
+                let why = "params: expected an object with the parameters by name";
                 return Err(Failure::Bad(why.to_owned()));
             }
         };
@@ -142,7 +142,7 @@ impl Call<'_> {
         self.answers.success(result)
     }
 
-    /// Answers once it is done, with what `result` makes of the name of what was made.
+    /// Returns a callback that sends the answer. `result` makes it from the name of the created object.
     pub(super) fn later(&self, result: impl FnOnce(String) -> Value + Send + 'static) -> Reply {
         let answers = self.answers.clone();
         Box::new(move |done| {
@@ -154,7 +154,7 @@ impl Call<'_> {
     }
 }
 
-/// Asks whether another one was meant, if one is like it.
+/// Returns a "did you mean" hint if one of the known names is similar, else an empty text.
 pub(super) fn meant<'k>(name: &str, known: impl Iterator<Item = &'k str>) -> String {
     let meant = rpi_diag::suggest(name, known);
     meant.map_or_else(String::new, |m| format!("; did you mean {m}?"))

@@ -1,4 +1,4 @@
-//! The methods of the native interface.
+//! Methods of the JSON-RPC interface.
 
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -21,7 +21,8 @@ type Act = fn(&mut RpcFront, &Call<'_>) -> Answer;
 /// A method.
 pub(super) struct Method {
     pub(super) name: &'static str,
-    /// The names of its parameters; none for one that is done whatever else is said.
+    /// Names of its parameters. With `None`, neither the request nor its parameters are checked: an emergency stop must
+    /// not fail because of a malformed request.
     pub(super) params: Option<&'static [&'static str]>,
     pub(super) act: Act,
 }
@@ -175,7 +176,7 @@ fn set(front: &mut RpcFront, call: &Call<'_>) -> Answer {
     Ok(None)
 }
 
-/// The text of a value: texts are taken as they are, numbers and Booleans as JSON writes them.
+/// Returns the text of a value: a text itself, a number or Boolean in JSON notation.
 fn literal(value: &Value) -> String {
     value
         .as_str()
@@ -222,7 +223,7 @@ fn seconds(ns: u64) -> f64 {
     ns as f64 * 1e-9
 }
 
-/// `command` follows `after`, for all of its regular results or for some.
+/// Schedules `command` as the successor of `after`, for all regular ends of `after` or for some of its results.
 fn schedule(front: &mut RpcFront, call: &Call<'_>) -> Answer {
     let after = call.text("after")?;
     let said = |saying| Expr::Said(after.to_owned(), saying);
@@ -331,7 +332,7 @@ fn add_device(front: &mut RpcFront, call: &Call<'_>) -> Answer {
             let meant = meant(key, PARAMETERS.into_iter());
             let known = PARAMETERS.join(", ");
             return Err(Failure::Bad(format!(
-                "parameters: there is no {key}, there are {known}{meant}"
+                "parameters: unknown parameter {key}, expected one of {known}{meant}"
             )));
         }
     }
@@ -367,7 +368,7 @@ fn list_commands(front: &mut RpcFront, _: &Call<'_>) -> Answer {
 }
 
 impl RpcFront {
-    /// Takes a session up whose client is gone; fails if it is another client's.
+    /// Takes over a session whose client has disconnected. Returns an error if the session belongs to another client.
     pub(super) fn take_up(&mut self, session: &str) -> Result<(), Failure> {
         self.may_act(&[session])?;
         if self.office.desk().take_up(session, self.client) {
@@ -376,7 +377,7 @@ impl RpcFront {
         Ok(())
     }
 
-    /// What tells this client about something: what it is, and its name.
+    /// Creates a subscriber for updates about an object, given by kind and name.
     pub(super) fn sink(
         &self,
         about: Option<(&'static str, &str)>,
@@ -388,7 +389,7 @@ impl RpcFront {
 }
 
 impl<'a> Call<'a> {
-    /// What is to be loaded: `named` is the key that tells which of several.
+    /// Returns the load request. `named` is the parameter with the name of the command or task within the text.
     pub(super) fn load(&self, named: &str) -> Result<Load<'a>, Failure> {
         let languages = [("rpi", Language::Rpi), ("rpinet", Language::Rpinet)];
         let language = self.one_of("language", &languages)?;
@@ -403,14 +404,14 @@ impl<'a> Call<'a> {
         })
     }
 
-    /// What becomes of what is loaded if its cycles take too long.
+    /// Returns the overrun policy, if there is one.
     fn on_overrun(&self) -> Result<Option<OnOverrun>, Failure> {
         let text = self.optional("on_overrun", a_text())?;
         let policy = text.map(str::parse).transpose();
         policy.map_err(|why| Failure::Bad(format!("on_overrun: {why}")))
     }
 
-    /// Tells what was loaded with the period that it has, and says so if that is another than was asked for.
+    /// Returns a function that makes the answer to a load: the name and the period, and whether the period was rounded.
     pub(super) fn told_period(
         &self,
         front: &RpcFront,
@@ -427,29 +428,28 @@ impl<'a> Call<'a> {
         }
     }
 
-    /// A truth value; false if it is not said.
+    /// Returns a Boolean parameter; false if it is missing.
     fn flag(&self, key: &str) -> Result<bool, Failure> {
         Ok(self.optional(key, a_flag())?.unwrap_or(false))
     }
 
-    /// What one of these words stands for, if it is said.
+    /// Returns the value that belongs to a parameter with a fixed set of words; `None` if it is missing.
     fn one_of<T: Copy>(&self, key: &str, words: &[(&str, T)]) -> Result<Option<T>, Failure> {
         let Some(word) = self.optional(key, a_text())? else {
             return Ok(None);
         };
         let found = words.iter().find(|(known, _)| *known == word);
         let known = || words.iter().map(|(known, _)| *known).collect::<Vec<_>>();
-        let bad = || Failure::Bad(format!("{key}: one of {} is needed", known().join(", ")));
+        let bad = || Failure::Bad(format!("{key}: expected one of {}", known().join(", ")));
         found.map(|(_, meant)| Some(*meant)).ok_or_else(bad)
     }
 
-    /// What may be left out; what is there is of its kind.
+    /// Returns an optional parameter, or an error if its value has the wrong type.
     fn optional<T>(&self, key: &str, (what, read): Kind<'a, T>) -> Result<Option<T>, Failure> {
         match self.params.get(key) {
             None | Some(Value::Null) => Ok(None),
             Some(value) => {
-                let bad =
-                    || Failure::Bad(format!("{key}: {what} is needed, found {}", kind(value)));
+                let bad = || Failure::Bad(format!("{key}: expected {what}, found {}", kind(value)));
                 read(value).map(Some).ok_or_else(bad)
             }
         }
@@ -464,12 +464,12 @@ impl<'a> Call<'a> {
         self.needed(key, a_text())
     }
 
-    /// A list of texts; without one, none.
+    /// Returns a list of texts; an empty one if the parameter is missing.
     fn texts(&self, key: &str) -> Result<Vec<&'a str>, Failure> {
         Ok(self.optional(key, some_texts())?.unwrap_or_default())
     }
 
-    /// A time in seconds; without one, this.
+    /// Returns a duration given in seconds; `unless_said` seconds if the parameter is missing.
     fn seconds(&self, key: &str, unless_said: f64) -> Result<Duration, Failure> {
         let seconds = self.optional(key, a_number())?.unwrap_or(unless_said);
         let time = Duration::try_from_secs_f64(seconds);
@@ -477,17 +477,17 @@ impl<'a> Call<'a> {
         let most = LONGEST.as_secs();
         let bad = || {
             Failure::Bad(format!(
-                "{key}: from 0 to {most} seconds, found {seconds:?}"
+                "{key}: expected 0 to {most} seconds, found {seconds:?}"
             ))
         };
         usable.ok_or_else(bad)
     }
 }
 
-/// No period is longer.
+/// Maximum duration of a time parameter.
 const LONGEST: Duration = Duration::from_secs(3600);
 
-/// What a parameter is to be, in words, and how it is read.
+/// Type of a parameter: its description for error messages and the function that reads it.
 type Kind<'a, T> = (&'static str, fn(&'a Value) -> Option<T>);
 
 fn a_text<'a>() -> Kind<'a, &'a str> {
@@ -512,7 +512,7 @@ fn some_texts<'a>() -> Kind<'a, Vec<&'a str>> {
     })
 }
 
-/// What a value is, in words.
+/// Describes the type of a JSON value for error messages.
 fn kind(value: &Value) -> &'static str {
     match value {
         Value::Null => "null",

@@ -1,4 +1,4 @@
-//! The native interface: JSON-RPC 2.0 over the websocket `/rpc` or, in lines, over a Unix socket.
+//! The native interface: JSON-RPC 2.0 over the websocket `/rpc`, or one message per line over a Unix socket.
 
 mod answers;
 mod front;

@@ -1,4 +1,4 @@
-//! What subscriptions push: the notification `update` with what it is about and what has changed.
+//! Updates of subscriptions: the notification `update` with the object and its changes.
 
 use rpi_core::State;
 use serde_json::{Map, Value, json};
@@ -8,9 +8,9 @@ use crate::desk::{
 };
 use crate::wire::Post;
 
-/// Pushes updates about one thing.
+/// Subscriber that sends updates about one object.
 pub(super) struct RpcSink {
-    /// `command`, `rule` or `session`, and its name; nothing for devices.
+    /// Kind (`command`, `task`, `rule` or `session`) and name of the object; `None` for devices and the emergency stop.
     pub(super) about: Option<(&'static str, String)>,
     pub(super) out: Post,
 }
@@ -41,7 +41,7 @@ impl Sink for RpcSink {
     }
 }
 
-/// Exported values, as texts that keep every bit.
+/// Returns exported values as texts that keep every bit.
 pub(super) fn values(values: &[(String, String)]) -> Value {
     let entries = values
         .iter()
@@ -49,7 +49,7 @@ pub(super) fn values(values: &[(String, String)]) -> Value {
     Value::Object(entries.collect::<Map<_, _>>())
 }
 
-/// Where a command is in its life and how it has ended.
+/// Returns the life-cycle state of a command and how it has ended.
 pub(super) fn status(status: &Status) -> Value {
     let mut told = json!({"state": phase(status.phase)});
     if let Some(ending) = &status.ending {
@@ -82,12 +82,12 @@ fn at(place: Option<&Place>) -> Option<&str> {
     place.and_then(|place| place.at.as_deref())
 }
 
-/// Whether everything is stopped, and by whom.
+/// Returns whether everything is stopped, and who requested it.
 pub(super) fn emergency(by: Option<&str>) -> Value {
     json!({"stopped": by.is_some(), "by": by})
 }
 
-/// How far a task is.
+/// Returns the progress of a task.
 pub(super) fn task(status: &TaskStatus) -> Value {
     let step = |step: &Step| {
         json!({
@@ -133,7 +133,7 @@ fn rule(state: RuleState) -> &'static str {
     }
 }
 
-/// A device.
+/// Returns a device with its interfaces.
 pub(super) fn device(info: &DeviceInfo) -> Value {
     let interfaces = info.interfaces.iter().map(|(name, own)| {
         let parameters = own.iter().map(|(key, value)| (key.clone(), json!(value)));

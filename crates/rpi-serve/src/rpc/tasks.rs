@@ -1,4 +1,4 @@
-//! Methods about tasks and the emergency stop.
+//! Methods for tasks and the emergency stop.
 
 use serde_json::{Value, json};
 
@@ -16,7 +16,7 @@ pub(super) fn load(front: &mut RpcFront, call: &Call<'_>) -> Answer {
     Ok(None)
 }
 
-/// Does something with a task that is this client's.
+/// Applies an operation to a task, after a check that the client may act on it.
 pub(super) fn one(
     front: &mut RpcFront,
     call: &Call<'_>,
@@ -54,9 +54,9 @@ pub(super) fn list(front: &mut RpcFront, _: &Call<'_>) -> Answer {
     Ok(Some(json!({"tasks": tasks.collect::<Value>()})))
 }
 
-/// Anybody who was let in may stop everything.
+/// Emergency stop. Every authenticated client may request it.
 pub(super) fn stop(front: &mut RpcFront, call: &Call<'_>) -> Answer {
-    // Whatever it says of itself, it stops everything.
+    // A malformed `by` must not prevent the stop.
     let by = call.params.get("by").and_then(Value::as_str);
     let reply = call.later(|_| json!({}));
     let by = by.unwrap_or("a client");

@@ -1,4 +1,4 @@
-//! What clients ask for by HTTP: one cycle of a net, devices, the end of a session.
+//! HTTP POST requests: evaluate a net for one cycle, add and remove devices, end a session.
 
 use std::collections::BTreeMap;
 use std::sync::mpsc::{Receiver, channel};
@@ -11,10 +11,10 @@ use crate::peer::Peer;
 
 type Form = BTreeMap<String, String>;
 
-/// Runs a net for one cycle and tells what it exported.
+/// Runs a net for one cycle and returns its exports as XML.
 pub(crate) fn eval(office: &Office, form: &Form, patience: Duration) -> Response {
     let Some(net) = form.get("dionet") else {
-        return Response::refused(400, "a form with dionet=... is needed");
+        return Response::refused(400, "expected a form with dionet=...");
     };
     let (sender, answer) = channel();
     let failed = sender.clone();
@@ -32,11 +32,11 @@ pub(crate) fn eval(office: &Office, form: &Form, patience: Duration) -> Response
             Response::xml(xml.finish())
         }
         Ok(Err(why)) => Response::refused(400, &why.to_string()),
-        Err(_) => Response::refused(503, "it took too long"),
+        Err(_) => Response::refused(503, "timeout: no answer from the cycle"),
     }
 }
 
-/// Makes or removes a device.
+/// Adds or removes a device.
 pub(crate) fn device((office, peer): (&Office, Peer), form: &Form, patience: Duration) -> Response {
     let name = form.get("name").map_or("", String::as_str);
     let (reply, answer) = waiting();
@@ -54,7 +54,7 @@ pub(crate) fn device((office, peer): (&Office, Peer), form: &Form, patience: Dur
     match answer.recv_timeout(patience) {
         Ok(Ok(_)) => Response::text("done\n".to_owned()),
         Ok(Err(why)) => Response::refused(400, &why.to_string()),
-        Err(_) => Response::refused(503, "it took too long"),
+        Err(_) => Response::refused(503, "timeout: no answer from the cycle"),
     }
 }
 
@@ -64,10 +64,10 @@ pub(crate) fn session((office, peer): (&Office, Peer), name: &str, form: &Form) 
         .get("action")
         .is_none_or(|action| action != "TERMINATE")
     {
-        return Response::refused(400, "a form with action=TERMINATE is needed");
+        return Response::refused(400, "expected a form with action=TERMINATE");
     }
     let mut desk = office.desk();
-    // Whoever asks by HTTP is a client who owns nothing.
+    // An HTTP request counts as a client without sessions.
     let nobody = desk.client(peer);
     let ended = desk
         .may_act(nobody, name)
@@ -79,7 +79,7 @@ pub(crate) fn session((office, peer): (&Office, Peer), name: &str, form: &Form) 
     }
 }
 
-/// A reply, and where it arrives.
+/// Creates a reply callback and the channel that receives its result.
 fn waiting() -> (Reply, Receiver<Result<String, Failure>>) {
     let (sender, answer) = channel();
     (Box::new(move |result| drop(sender.send(result))), answer)

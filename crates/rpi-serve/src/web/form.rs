@@ -1,9 +1,9 @@
-//! Forms in the body of a request: `key=value&key=value`.
+//! Form data in the body of a request: `key=value&key=value`.
 
 use std::collections::BTreeMap;
 
-/// Reads a form. Keys and values are percent-encoded (WHATWG URL, section 5); the reference system's clients send some of
-/// them as they are, which blanks in the text give away.
+/// Parses form data. Keys and values are percent-encoded (WHATWG URL, section 5). Clients of the reference system send
+/// some forms unencoded; a space in the body shows that, as an encoded form never has one.
 pub(crate) fn parse(body: &str) -> BTreeMap<String, String> {
     let plain = body.contains(' ');
     let pairs = body.split('&').filter_map(|pair| pair.split_once('='));

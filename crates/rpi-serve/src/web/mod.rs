@@ -1,4 +1,4 @@
-//! The HTTP part: evaluating nets, devices, and what the server knows about itself.
+//! HTTP requests: evaluation of nets, devices, and pages about the state of the server.
 
 mod eval;
 mod form;
@@ -14,7 +14,7 @@ use crate::wire::Head;
 
 pub(crate) use response::Response;
 
-/// Answers a request.
+/// Answers an HTTP request.
 pub(crate) fn respond(
     (office, peer): (&Office, Peer),
     limits: &Limits,
@@ -28,6 +28,6 @@ pub(crate) fn respond(
         ("POST", ["devices"]) => eval::device((office, peer), &form::parse(&body), limits.patience),
         ("POST", ["sessions", name]) => eval::session((office, peer), name, &form::parse(&body)),
         ("GET", parts) => pages::page(office, parts),
-        _ => Response::refused(405, "this is not done here"),
+        _ => Response::refused(405, "this method is not allowed here"),
     }
 }

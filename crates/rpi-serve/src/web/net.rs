@@ -1,11 +1,11 @@
-//! A net in XML: fragments, modules, parameters, and which port is fed by what.
+//! XML view of a net: fragments, modules, parameters and the source of each port.
 
 use rpi_net::rpinet::value_text;
 use rpi_net::{FragmentId, Input, Item, Net, NodeId, Tree};
 
 use super::xml::Xml;
 
-/// The page of a net. Ports are named by their whole path, whatever fragment they stand in.
+/// Returns the XML page of a net. Ports are named by their full path.
 pub(super) fn page(net: &Net) -> String {
     let mut xml = Xml::new("rpinet");
     let mut writer = Writer {
@@ -24,7 +24,7 @@ struct Writer<'a> {
 }
 
 impl Writer<'_> {
-    /// Fragments nest no deeper than the compiler lets them.
+    /// Writes a fragment with its contents. The recursion is bounded, as the compiler limits the nesting of fragments.
     fn fragment(&mut self, id: FragmentId) {
         let own = self.net.fragment(id);
         self.xml.begin("fragment", &[("id", &own.name)]);
@@ -58,7 +58,7 @@ impl Writer<'_> {
         self.xml.end();
     }
 
-    /// A port and what feeds it: another port, or a constant.
+    /// Writes a port and its source: another port or a constant. An open port is left out.
     fn link(&mut self, kind: &'static str, name: &str, source: &Input) {
         let (key, value) = match source {
             Input::Open => return,

@@ -1,4 +1,4 @@
-//! What the server tells about itself: modules, types, devices, sessions, nets.
+//! HTTP pages about the server: modules, types, devices, sessions, nets.
 
 use std::collections::BTreeMap;
 
@@ -10,20 +10,20 @@ use super::response::Response;
 use super::xml::Xml;
 use crate::desk::{Failure, Office};
 
-/// The pages, for who asks for none of them.
+/// Index page, shown at `/`.
 const INDEX: &str = "RPI control core\n\n\
     /modules   the primitives, with ports and parameters\n\
     /types     the types of values\n\
-    /devices   the devices; POST makes and removes simulated ones\n\
-    /sessions  who is there\n\
-    /nets      the commands; of one /nets/<name>/dio (its text), /xml (its parts), /debug (what it takes and tells), /stats\n\
+    /devices   the devices; POST adds and removes simulated ones\n\
+    /sessions  the open sessions\n\
+    /nets      the commands; of one /nets/<name>/dio (its text), /xml (its parts), /debug (its inputs and exports), /stats\n\
     /extensions  groups of primitives\n\
-    /log       what has happened lately\n\
+    /log       the latest log lines\n\
     /eval      POST: one cycle of a net\n\
     /DirectIO  websocket: the DirectIO protocol 2.0\n\
     /rpc       websocket: JSON-RPC 2.0\n";
 
-/// Answers a request for a page.
+/// Returns the page with this path.
 pub(crate) fn page(office: &Office, parts: &[&str]) -> Response {
     match parts {
         [] => Response::text(INDEX.to_owned()),
@@ -38,8 +38,8 @@ pub(crate) fn page(office: &Office, parts: &[&str]) -> Response {
         ["nets", name, "xml"] => found(parts_of(office, name), Response::xml),
         ["nets", name, "debug"] => found(debug(office, name), Response::xml),
         ["nets", name, "stats"] => found(stats(office, name), Response::xml),
-        ["rpc" | "DirectIO"] => Response::refused(426, "a websocket speaks here, and no page"),
-        _ => Response::refused(404, "there is no such page; / tells which there are"),
+        ["rpc" | "DirectIO"] => Response::refused(426, "this path is a websocket, not a page"),
+        _ => Response::refused(404, "there is no such page; / lists all pages"),
     }
 }
 
@@ -75,7 +75,7 @@ fn module(xml: &mut Xml, desc: &PrimDesc) {
     xml.end();
 }
 
-/// The protocol's name of a scalar type: its module and itself.
+/// Returns the protocol's qualified name of a scalar type, such as `Core::double`.
 fn scalar_name(scalar: Scalar) -> String {
     let (module, name) = match scalar {
         Scalar::Bool => ("Core", "bool"),
@@ -153,7 +153,7 @@ fn text(office: &Office, name: &str) -> Result<String, Failure> {
     Ok(origin.ok_or_else(none)?.text.to_string())
 }
 
-/// The parts of a net. It is taken apart again, beside everything else.
+/// Returns the structure of a net as XML. The net is compiled again from its text, with the state unlocked.
 fn parts_of(office: &Office, name: &str) -> Result<String, Failure> {
     let origin = office.desk().find(name)?.1.origin.clone();
     let none = || Failure::Unknown(format!("text of {name}: it is part of a task"));
@@ -161,7 +161,7 @@ fn parts_of(office: &Office, name: &str) -> Result<String, Failure> {
     page.map_err(Failure::Rejected)
 }
 
-/// What a command takes from outside, and what it told in its latest cycle.
+/// Returns the inputs of a command and its latest exports.
 fn debug(office: &Office, name: &str) -> Result<String, Failure> {
     let desk = office.desk();
     let (_, record) = desk.find(name)?;
@@ -178,7 +178,7 @@ fn debug(office: &Office, name: &str) -> Result<String, Failure> {
     Ok(xml.finish())
 }
 
-/// The groups of primitives, and how many there are of each.
+/// Returns the groups of primitives with the number of primitives in each.
 fn extensions() -> String {
     let mut groups: BTreeMap<&str, usize> = BTreeMap::new();
     for prim in registry() {

@@ -1,8 +1,8 @@
-//! Answers to HTTP requests.
+//! HTTP responses.
 
 use std::io::{self, Write};
 
-/// An answer; the connection ends with it.
+/// An HTTP response. The connection is closed after it.
 #[derive(Debug)]
 pub(crate) struct Response {
     status: u16,
@@ -10,7 +10,7 @@ pub(crate) struct Response {
     body: String,
 }
 
-/// The reasons that we give (RFC 9110, section 15).
+/// Reason phrases of the status codes in use (RFC 9110, section 15).
 const REASONS: &[(u16, &str)] = &[
     (200, "OK"),
     (400, "Bad Request"),
@@ -51,7 +51,8 @@ impl Response {
     pub(crate) fn send(&self, stream: &mut dyn Write) -> io::Result<()> {
         let reason = REASONS.iter().find(|(status, _)| *status == self.status);
         let reason = reason.map_or("", |(_, reason)| reason);
-        // What a client has to show belongs to this answer (RFC 9110, section 15.5.2).
+        // RFC 9110 requires a challenge in a 401 response (section 15.5.2) and the protocol in a 426 response (section
+        // 15.5.22).
         let challenge = match self.status {
             401 => "WWW-Authenticate: Bearer\r\n",
             426 => "Upgrade: websocket\r\n",
@@ -65,7 +66,7 @@ impl Response {
             self.body.len(),
             self.body
         );
-        // In one piece: who reads the head may have no patience for more.
+        // Head and body in one write: a client may stop reading after the head.
         stream.write_all(text.as_bytes())?;
         stream.flush()
     }

@@ -1,13 +1,13 @@
-//! Writing XML.
+//! XML writer.
 
-/// An element under way.
+/// An XML document being written, with the stack of open elements.
 pub(crate) struct Xml {
     text: String,
     open: Vec<&'static str>,
 }
 
 impl Xml {
-    /// A document with this root.
+    /// Creates a document with this root element.
     pub(crate) fn new(root: &'static str) -> Xml {
         let mut xml = Xml {
             text: "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n".to_owned(),
@@ -24,7 +24,7 @@ impl Xml {
         self.open.push(name);
     }
 
-    /// Closes the element that was opened last.
+    /// Closes the innermost open element.
     pub(crate) fn end(&mut self) {
         if let Some(name) = self.open.pop() {
             self.text
@@ -32,7 +32,7 @@ impl Xml {
         }
     }
 
-    /// An element with text in it.
+    /// Writes an element without child elements; `text` may be empty.
     pub(crate) fn leaf(&mut self, name: &'static str, attributes: &[(&str, &str)], text: &str) {
         self.tag(name, attributes);
         self.text.push_str(&match text {
@@ -50,7 +50,7 @@ impl Xml {
         }
     }
 
-    /// The document.
+    /// Closes all open elements and returns the document.
     pub(crate) fn finish(mut self) -> String {
         while !self.open.is_empty() {
             self.end();
@@ -63,7 +63,7 @@ fn indent(depth: usize) -> String {
     "  ".repeat(depth)
 }
 
-/// A text as XML wants it; signs that XML 1.0 does not know are left out.
+/// Escapes a text for XML. Control characters that XML 1.0 does not allow are left out.
 fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for sign in text.chars() {

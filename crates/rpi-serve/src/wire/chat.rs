@@ -1,4 +1,4 @@
-//! A conversation in messages: over a websocket (RFC 6455), or line by line over a Unix socket.
+//! Message loop of a connection: over a websocket (RFC 6455), or line by line over a Unix socket.
 
 use std::io::{self, Read, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -11,56 +11,59 @@ use tungstenite::{Error, Message, WebSocket};
 use super::head::is_pause;
 use super::outbox::Outgoing;
 
-/// How long a connection listens before it looks whether there is something to send.
+/// Read timeout of a connection, after which outgoing messages are sent.
 pub(crate) const TURN: Duration = Duration::from_millis(2);
-/// How long a connection waits for the answer to what it has just heard before it listens again.
+/// Time to wait for the answer to a received message before the next read.
 const ANSWER: Duration = Duration::from_millis(4);
 
-/// One side of a conversation.
+/// Protocol handler of a connection.
 pub(crate) trait Front {
-    /// Hears a message; false to end the conversation.
+    /// Handles a message. Returns false to close the connection.
     fn hear(&mut self, text: &str) -> bool;
 
-    /// Tells why the conversation ends, where that is said in messages.
+    /// Reports why the connection is closed, for transports that have no close frame.
     fn complain(&mut self, _: &str) {}
 }
 
-/// A stream that gives up reading after [`TURN`].
+/// A stream whose reads time out after [`TURN`].
 pub(crate) trait Stream: Read + Write + Send {}
 impl<T: Read + Write + Send> Stream for T {}
 
-/// How long a message may be (bytes), and how long a client may be silent: it is asked for a sign of life before, and given up
-/// then. None where clients are not asked.
+/// Maximum message size in bytes, and timeout without any message from the client. A ping is sent after a third of the
+/// timeout. `None` disables pings and timeout.
 pub(crate) type Bounds = (usize, Option<Duration>);
 
-/// How a conversation has ended.
+/// Reason for the end of a connection.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum End {
-    /// One side has had enough.
+    /// One side has closed the connection.
     Over,
-    /// The client does not read what it is sent.
+    /// The client does not read its messages.
     Deaf,
-    /// The client has sent what is no text.
+    /// The client has sent a binary message.
     Binary,
-    /// The client has sent too much at once.
+    /// The client has sent a message that is too long.
     TooLong,
-    /// Nothing was heard of the client.
+    /// The client has not sent anything within the timeout.
     Silent,
     /// The server closes.
     Closing,
 }
 
 impl End {
-    /// What a client is told of it (RFC 6455, section 7.4.1): a message may have so many bytes.
+    /// Returns the close frame for the reason (RFC 6455, section 7.4.1). `most` is the maximum message size in bytes.
     fn frame(self, most: usize) -> Option<CloseFrame> {
         let (code, reason) = match self {
             End::Over => return None,
-            End::Deaf => (CloseCode::Policy, "what is sent is not read".to_owned()),
-            End::Binary => (CloseCode::Unsupported, "messages are texts".to_owned()),
+            End::Deaf => (CloseCode::Policy, "messages are not read".to_owned()),
+            End::Binary => (
+                CloseCode::Unsupported,
+                "binary messages are not supported".to_owned(),
+            ),
             End::TooLong => (CloseCode::Size, too_long(most)),
             End::Silent => (
                 CloseCode::Policy,
-                "nothing was heard for too long".to_owned(),
+                "timeout: no message from the client".to_owned(),
             ),
             End::Closing => (CloseCode::Away, "the server closes".to_owned()),
         };
@@ -73,7 +76,7 @@ fn too_long(most: usize) -> String {
     format!("a message has at most {most} bytes")
 }
 
-/// Talks over a websocket until one side has enough. `rest` was read already.
+/// Runs the message loop over a websocket until one side closes it. `rest` holds bytes already read from the stream.
 pub(crate) fn websocket(
     stream: Box<dyn Stream>,
     rest: Vec<u8>,
@@ -86,7 +89,7 @@ pub(crate) fn websocket(
         .max_message_size(Some(most))
         .max_frame_size(Some(most))
         .max_write_buffer_size(most.saturating_mul(2).max(1 << 20))
-        // The reference system's clients do not mask what they send, against RFC 6455, section 5.3.
+        // Clients of the reference system do not mask their frames, against RFC 6455, section 5.3.
         .accept_unmasked_frames(true);
     let mut socket = WebSocket::from_partially_read(stream, rest, Role::Server, Some(config));
     let mut life = Life::new(silence);
@@ -113,7 +116,7 @@ pub(crate) fn websocket(
     end
 }
 
-/// Hears what has come: whether that wants an answer, or how the conversation has ended by it.
+/// Handles the result of a read. Returns whether an answer is to be expected, or the reason for the end.
 fn hear(read: Result<Message, Error>, front: &mut dyn Front, life: &mut Life) -> Result<bool, End> {
     match read {
         Ok(Message::Text(text)) if front.hear(&text) => {
@@ -131,7 +134,7 @@ fn hear(read: Result<Message, Error>, front: &mut dyn Front, life: &mut Life) ->
     }
 }
 
-/// Sends what waits; how the conversation has ended, if it has by that.
+/// Sends the queued messages. Returns the reason for the end if the connection has ended.
 fn sent(out: &Outgoing, send: impl FnOnce() -> io::Result<()>) -> Option<End> {
     if out.is_over() {
         return Some(End::Deaf);
@@ -143,7 +146,7 @@ fn sent(out: &Outgoing, send: impl FnOnce() -> io::Result<()>) -> Option<End> {
     }
 }
 
-/// When a client gave a sign of life.
+/// Liveness of a client: the time of its latest message.
 struct Life {
     silence: Option<Duration>,
     latest: Instant,
@@ -168,7 +171,7 @@ impl Life {
         silence.is_some_and(|silence| self.latest.elapsed() >= silence)
     }
 
-    /// Whether it is to be asked for a sign now: once, after a third of the time.
+    /// Returns whether a ping must be sent now: once, after a third of the timeout.
     fn is_due(&mut self) -> bool {
         let due = !self.asked && self.is_silent_for(3);
         self.asked |= due;
@@ -194,7 +197,7 @@ fn send(socket: &mut WebSocket<Box<dyn Stream>>, out: &Outgoing, heard: bool) ->
     socket.flush().map_err(failed)
 }
 
-/// Talks in lines until one side has enough.
+/// Runs the message loop over a stream of lines until one side closes it.
 pub(crate) fn lines(
     mut stream: Box<dyn Stream>,
     most: usize,

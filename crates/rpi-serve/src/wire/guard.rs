@@ -1,20 +1,20 @@
-//! Who may come in.
+//! Authentication of requests.
 
 use std::net::IpAddr;
 
 use super::head::Head;
 use super::strangers::Why;
 
-/// What a client must show.
+/// Authentication check.
 #[derive(Clone, Default)]
 pub(crate) struct Guard {
-    /// Without one, everybody may come in: only on loopback.
+    /// Expected token. `None` accepts every client; allowed on loopback only.
     pub(crate) token: Option<String>,
 }
 
 impl Guard {
-    /// What a request lacks to come in, if it does: it shows the token in the header `Authorization: Bearer ...` (RFC 6750) or as
-    /// `?token=...`.
+    /// Returns why a request is rejected, if it is. The token is in the header `Authorization: Bearer ...` (RFC 6750)
+    /// or in the query `?token=...`.
     pub(crate) fn lacks(&self, head: &Head) -> Option<Why> {
         let token = self.token.as_ref()?;
         let shown = head.header("authorization");
@@ -30,8 +30,9 @@ impl Guard {
         }
     }
 
-    /// True unless a browser asks on behalf of a page from elsewhere: such pages may not drive robots. Without a token, the server's
-    /// own pages are those at an address or at `localhost`: whoever owns another name can have it mean this machine (DNS rebinding).
+    /// Returns false for a request that a browser sends on behalf of a page from another origin: such pages must not
+    /// move robots. Without a token, the own origin must be an address or `localhost`, because the owner of any other
+    /// name can let it resolve to this machine (DNS rebinding).
     pub(crate) fn is_no_stranger(&self, head: &Head) -> bool {
         let Some(origin) = head.header("origin") else {
             return true;
@@ -44,7 +45,7 @@ impl Guard {
     }
 }
 
-/// Whether a host, with or without its port, is told by its address, or is `localhost`.
+/// Returns whether a host, with or without port, is an IP address or `localhost`.
 fn is_address(host: &str) -> bool {
     let name = match host.rsplit_once(':') {
         Some((name, port)) if port.bytes().all(|b| b.is_ascii_digit()) => name,
@@ -54,9 +55,11 @@ fn is_address(host: &str) -> bool {
     name.eq_ignore_ascii_case("localhost") || inner.unwrap_or(name).parse::<IpAddr>().is_ok()
 }
 
-/// Compares in a time that depends on what is shown only: it tells nothing about the token, not even how long it is.
+/// Compares in a time that depends on the length of `shown` only, so that the time reveals neither the token nor its
+/// length.
 fn same(shown: &str, token: &str) -> bool {
     let pairs = shown.bytes().zip(token.bytes().cycle());
+    // `black_box` keeps the compiler from leaving the loop at the first difference.
     let differing = pairs.fold(0, |all, (x, y)| std::hint::black_box(all | (x ^ y)));
     (shown.len() == token.len()) & (differing == 0)
 }

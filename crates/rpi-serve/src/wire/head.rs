@@ -1,9 +1,9 @@
-//! The head of an HTTP request (RFC 9112), as far as we need it.
+//! Parser of HTTP request heads (RFC 9112), as far as the server needs them.
 
 use std::io::{self, Read};
 use std::time::{Duration, Instant};
 
-/// A request's head, and what was read beyond it.
+/// Head of a request, and the bytes read beyond it.
 #[derive(Debug)]
 pub(crate) struct Head {
     pub(crate) method: String,
@@ -11,18 +11,18 @@ pub(crate) struct Head {
     pub(crate) path: String,
     pub(crate) query: String,
     headers: Vec<(String, String)>,
-    /// What came after it.
+    /// Bytes read after the head.
     pub(crate) rest: Vec<u8>,
 }
 
-/// A head may not be longer.
+/// Maximum length of a head in bytes.
 const LONGEST: usize = 16 << 10;
 
 impl Head {
-    /// Reads a head, byte for byte as it comes, for no longer than `patience`.
+    /// Reads a head from a stream, for at most `patience`.
     ///
     /// # Errors
-    /// If it does not come, is too long or is none.
+    /// If the head is incomplete, too long, too slow or malformed.
     pub(crate) fn read(stream: &mut dyn Read, patience: Duration) -> io::Result<Head> {
         let begin = Instant::now();
         let mut bytes = Vec::new();
@@ -30,12 +30,11 @@ impl Head {
         loop {
             if let Some(end) = bytes.windows(4).position(|w| w == b"\r\n\r\n") {
                 let rest = bytes.split_off(end + 4);
-                return Head::parse(&bytes[..end], rest).ok_or_else(|| {
-                    bad("this is no request of HTTP/1.1; is another scheme meant, or another port?")
-                });
+                return Head::parse(&bytes[..end], rest)
+                    .ok_or_else(|| bad("not an HTTP/1.1 request; check the scheme and the port"));
             }
             if bytes.len() > LONGEST || begin.elapsed() > patience {
-                return Err(bad("a request that is too long or too slow"));
+                return Err(bad("the request is too long or too slow"));
             }
             match stream.read(&mut chunk) {
                 Ok(0) => return Err(io::ErrorKind::UnexpectedEof.into()),
@@ -67,16 +66,16 @@ impl Head {
         })
     }
 
-    /// A header by its name in small letters.
+    /// Returns the value of a header. `name` must be in lower case.
     pub(crate) fn header(&self, name: &str) -> Option<&str> {
         let found = self.headers.iter().find(|(known, _)| known == name);
         found.map(|(_, value)| value.as_str())
     }
 
-    /// Reads the body that the head announces.
+    /// Reads the body, of the length announced in the head.
     ///
     /// # Errors
-    /// If it is longer than `most` or does not come in time.
+    /// If the body is longer than `most` bytes, or not complete within `patience`.
     pub(crate) fn body(
         &self,
         stream: &mut dyn Read,
@@ -84,16 +83,16 @@ impl Head {
         patience: Duration,
     ) -> io::Result<Vec<u8>> {
         let length = self.header("content-length").map_or(Ok(0), str::parse);
-        let length: usize = length.map_err(|_| bad("a length that is no number"))?;
+        let length: usize = length.map_err(|_| bad("the content length is not a number"))?;
         if length > most {
-            return Err(bad("a body that is too long"));
+            return Err(bad("the body is too long"));
         }
         let begin = Instant::now();
         let mut body = self.rest.clone();
         let mut chunk = [0; 16 << 10];
         while body.len() < length {
             if begin.elapsed() > patience {
-                return Err(bad("a body that is too slow"));
+                return Err(bad("the body is too slow"));
             }
             match stream.read(&mut chunk) {
                 Ok(0) => return Err(io::ErrorKind::UnexpectedEof.into()),
@@ -111,7 +110,7 @@ fn bad(what: &str) -> io::Error {
     io::Error::new(io::ErrorKind::InvalidData, what)
 }
 
-/// True if nothing has come yet.
+/// Returns whether a read failed only because no data has arrived yet.
 pub(crate) fn is_pause(error: &io::Error) -> bool {
     matches!(
         error.kind(),

@@ -1,4 +1,4 @@
-//! Taking connections: one thread for each, at most so many at a time.
+//! Accepts connections, each on its own thread, up to a limit.
 
 use std::collections::BTreeMap;
 use std::io::{self, Write};
@@ -24,25 +24,25 @@ use crate::peer::Peer;
 use crate::rpc::RpcFront;
 use crate::web;
 
-/// What every connection needs.
+/// State shared by all connections.
 #[derive(Clone)]
 pub(crate) struct Reception {
     pub(crate) office: Office,
     pub(crate) limits: Limits,
     pub(crate) guard: Guard,
-    /// Without it, connections are plain.
+    /// Certificate and key for TLS; `None` for plain connections.
     pub(crate) identity: Option<Identity>,
     pub(crate) closing: Arc<AtomicBool>,
-    /// Connections by where they come from.
+    /// Number of connections of each peer.
     pub(crate) connections: Arc<Mutex<BTreeMap<Peer, usize>>>,
     pub(crate) strangers: Strangers,
 }
 
-/// How long to wait for the next connection before looking whether the server closes.
+/// Interval at which the acceptor checks for new connections and for the end of the server.
 const PAUSE: Duration = Duration::from_millis(20);
 
 impl Reception {
-    /// Takes connections until the server closes.
+    /// Accepts TCP connections until the server closes.
     pub(crate) fn take_all(&self, listener: &TcpListener) {
         while !self.closing.load(Ordering::Relaxed) {
             match listener.accept() {
@@ -66,7 +66,7 @@ impl Reception {
         }
     }
 
-    /// Serves a client on a thread of its own, unless there are too many.
+    /// Serves a client on its own thread, unless the limit of connections is reached.
     pub(crate) fn admit(&self, peer: Peer, serve: impl FnOnce(&Reception) + Send + 'static) {
         let Some(place) = Place::take(&self.connections, peer, self.limits.connections) else {
             return self.note(peer, Why::Crowd);
@@ -75,12 +75,13 @@ impl Reception {
         let _ = thread::Builder::new()
             .name("rpi-client".into())
             .spawn(move || {
+                // Moved into the thread, so that the connection is counted until the thread ends.
                 let _place = place;
                 serve(&reception);
             });
     }
 
-    /// Serves who speaks TLS; tells others that they should.
+    /// Serves a client that speaks TLS; answers any other one with an error.
     fn serve_secure(&self, identity: &Identity, mut stream: TcpStream, peer: Peer) {
         match begins_tls(&stream, self.limits.patience) {
             Ok(true) => {
@@ -89,7 +90,8 @@ impl Reception {
                 }
             }
             Ok(false) => {
-                // What came is read first: a connection that is closed before is reset, and the answer with it.
+                // Closing a socket with unread data resets the connection, and the client would lose the answer. So the
+                // request is read first.
                 let _ = Head::read(&mut stream, self.limits.patience);
                 let _ = web::Response::refused(400, PLAIN).send(&mut stream);
             }
@@ -107,7 +109,11 @@ impl Reception {
             Err(_) => return,
         };
         let _ = if !self.guard.is_no_stranger(&head) {
-            web::Response::refused(403, "pages from elsewhere may not come in").send(&mut stream)
+            web::Response::refused(
+                403,
+                "requests from pages of another origin are not allowed here",
+            )
+            .send(&mut stream)
         } else if let Some(why) = self.guard.lacks(&head) {
             self.turn_away(&mut stream, peer, why)
         } else if asks_for_websocket(&head) {
@@ -117,7 +123,7 @@ impl Reception {
         };
     }
 
-    /// Tells who has not shown the token that it is needed. Who guesses waits for that.
+    /// Answers a request without a valid token. After a wrong token the answer is delayed, to slow down guessing.
     fn turn_away(&self, stream: &mut dyn Stream, peer: Peer, why: Why) -> io::Result<()> {
         self.note(peer, why);
         if why == Why::NoToken {
@@ -131,7 +137,7 @@ impl Reception {
         web::Response::refused(401, "the token is wrong").send(stream)
     }
 
-    /// Notes that somebody is turned away.
+    /// Logs a rejected connection or request.
     fn note(&self, peer: Peer, why: Why) {
         if let Some(told) = self.strangers.note(peer, why) {
             self.office.desk().warn(&told);
@@ -150,7 +156,8 @@ impl Reception {
     fn converse(&self, mut stream: Box<dyn Stream>, head: Head, peer: Peer) {
         let (out, outgoing) = outbox(self.limits.outbox, self.limits.watches);
         let Some(mut front) = self.front(&head.path, peer, out) else {
-            let _ = web::Response::refused(404, "no conversation is held here").send(&mut stream);
+            let _ =
+                web::Response::refused(404, "there is no websocket at this path").send(&mut stream);
             return;
         };
         let Some(key) = head.header("sec-websocket-key") else {
@@ -165,7 +172,7 @@ impl Reception {
              Sec-WebSocket-Accept: {accept}\r\n\r\n"
         );
         if agreed.and_then(|()| stream.flush()).is_ok() {
-            // The reference system's clients are not known to answer pings.
+            // No pings for DirectIO: clients of the reference system are not known to answer them.
             let silence = Some(self.limits.silence).filter(|_| head.path == "/rpc");
             let end = chat::websocket(
                 stream,
@@ -179,12 +186,12 @@ impl Reception {
         }
     }
 
-    /// Notes that a client was given up as it did not read what it was sent.
+    /// Logs that a client was disconnected because it does not read its messages.
     fn note_if_deaf(&self, end: End, peer: Peer) {
         if end == End::Deaf {
             let mut desk = self.office.desk();
             desk.log_line(format_args!(
-                "a client from {peer} is given up: it does not read what it is sent"
+                "a client from {peer} is disconnected: it does not read its messages"
             ));
         }
     }
@@ -199,13 +206,13 @@ impl Reception {
     }
 }
 
-/// What who does not speak TLS is told.
+/// Answer to a plain request at a TLS port.
 const PLAIN: &str = "this port speaks TLS only: https:// or wss://";
 
-/// The first byte of what a TLS client says: a record of a handshake (RFC 8446, section 5.1).
+/// First byte of a TLS connection: the content type of a handshake record (RFC 8446, section 5.1).
 const HANDSHAKE: u8 = 22;
 
-/// Whether the client begins to shake hands for TLS; nothing is taken from the stream.
+/// Returns whether the client starts a TLS handshake. No byte is taken from the stream.
 fn begins_tls(stream: &TcpStream, patience: Duration) -> io::Result<bool> {
     let begin = Instant::now();
     let mut first = [0];
@@ -224,11 +231,11 @@ fn asks_for_websocket(head: &Head) -> bool {
     upgrade.is_some_and(|value| value.eq_ignore_ascii_case("websocket"))
 }
 
-/// One of the places that there are for connections.
+/// A counted connection. Dropping it decrements the count of its peer.
 struct Place(Arc<Mutex<BTreeMap<Peer, usize>>>, Peer);
 
 impl Place {
-    /// A place, unless there are too many connections, in all or from there.
+    /// Counts a connection of `peer`. Returns `None` if the limit or the share of the peer is reached.
     fn take(
         connections: &Arc<Mutex<BTreeMap<Peer, usize>>>,
         peer: Peer,
@@ -255,7 +262,7 @@ impl Drop for Place {
 
 #[cfg(unix)]
 impl Reception {
-    /// Takes connections at a Unix socket until the server closes. Who may open the socket's file may come in.
+    /// Accepts connections at a Unix socket until the server closes. The permissions of the socket file control access.
     pub(crate) fn take_all_local(&self, listener: &std::os::unix::net::UnixListener) {
         while !self.closing.load(Ordering::Relaxed) {
             match listener.accept() {

@@ -1,4 +1,4 @@
-//! Bytes in and out: connections, HTTP heads, websockets, who may come in.
+//! Transport: connections, HTTP heads, websockets, authentication.
 
 mod chat;
 mod guard;

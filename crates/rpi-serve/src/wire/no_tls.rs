@@ -1,11 +1,11 @@
-//! In place of TLS where it is left out (feature `tls`): there is no such connection.
+//! Replacement of the module `tls` in a build without the feature `tls`.
 
 use std::convert::Infallible;
 use std::io;
 use std::net::TcpStream;
 use std::path::Path;
 
-/// Who the server is: it cannot show that.
+/// Certificate and key of the server; cannot be created without TLS.
 #[derive(Clone)]
 pub(crate) struct Identity(Infallible);
 

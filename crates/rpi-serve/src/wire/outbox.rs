@@ -1,28 +1,28 @@
-//! What waits to be sent to a client: bounded, and nobody waits to put something in.
+//! Bounded queue of outgoing messages of a client. Senders never block.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
-/// Where messages for a client are put. A client that does not take them is given up once there is no room left.
+/// Sender side of the queue. A client that does not read its messages is disconnected once the queue is full.
 #[derive(Clone)]
 pub(crate) struct Outbox {
     messages: SyncSender<String>,
     over: Arc<AtomicBool>,
-    /// Things that the client may watch yet.
+    /// Number of subscriptions that the client may still make.
     left: Arc<AtomicUsize>,
 }
 
-/// An outbox for what a client watches: one of a number of places, free again once it is dropped.
+/// Sender for one subscription. Dropping it frees the subscription's place.
 pub(crate) struct Post(Outbox);
 
-/// The connection's end.
+/// Receiver side of the queue, owned by the connection.
 pub(crate) struct Outgoing {
     pub(crate) messages: Receiver<String>,
     over: Arc<AtomicBool>,
 }
 
-/// An outbox for so many messages, to a client that may watch so many things.
+/// Creates a queue of at most `most` messages, for a client with at most `watches` subscriptions.
 pub(crate) fn outbox(most: usize, watches: usize) -> (Outbox, Outgoing) {
     let (sender, messages) = sync_channel(most);
     let over = Arc::new(AtomicBool::new(false));
@@ -35,7 +35,7 @@ pub(crate) fn outbox(most: usize, watches: usize) -> (Outbox, Outgoing) {
 }
 
 impl Outbox {
-    /// Puts a message in; false if the client is gone or given up.
+    /// Queues a message. Returns false if the client is disconnected.
     pub(crate) fn put(&self, message: String) -> bool {
         if self.over.load(Ordering::Relaxed) {
             return false;
@@ -47,12 +47,12 @@ impl Outbox {
         put
     }
 
-    /// Nobody listens any more.
+    /// Marks the client as disconnected.
     pub(crate) fn end(&self) {
         self.over.store(true, Ordering::Relaxed);
     }
 
-    /// A place for something to be watched; none if the client watches too much already.
+    /// Reserves a sender for a subscription; `None` if the client has too many.
     pub(crate) fn post(&self) -> Option<Post> {
         let one_less = |left: usize| left.checked_sub(1);
         let (set, get) = (Ordering::Relaxed, Ordering::Relaxed);
@@ -62,12 +62,12 @@ impl Outbox {
 }
 
 impl Post {
-    /// As [`Outbox::put`].
+    /// Queues a message, as [`Outbox::put`].
     pub(crate) fn put(&self, message: String) -> bool {
         self.0.put(message)
     }
 
-    /// Whether somebody listens still.
+    /// Returns whether the client is still connected.
     pub(crate) fn is_heard(&self) -> bool {
         !self.0.over.load(Ordering::Relaxed)
     }
@@ -80,7 +80,7 @@ impl Drop for Post {
 }
 
 impl Outgoing {
-    /// True once the client is given up.
+    /// Returns whether the client is to be disconnected.
     pub(crate) fn is_over(&self) -> bool {
         self.over.load(Ordering::Relaxed)
     }

@@ -1,4 +1,4 @@
-//! The file of a Unix socket.
+//! Creation of a Unix socket.
 
 use std::fs;
 use std::io::{self, ErrorKind};
@@ -6,10 +6,10 @@ use std::os::unix::fs::FileTypeExt;
 use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::Path;
 
-/// Listens at a path. A socket that is left there by a server that is no more is replaced; whatever else is there stays.
+/// Binds a listener to a path. A socket left by a server that has ended is replaced; any other file is kept.
 ///
 /// # Errors
-/// If something else is there, or the system does not let it; the text names the path.
+/// If another file or a live server is at the path, or a system call fails. The text names the path.
 pub(crate) fn bind(path: &Path) -> io::Result<UnixListener> {
     let bound = match UnixListener::bind(path) {
         Err(why) if why.kind() == ErrorKind::AddrInUse && is_left_over(path) => {
@@ -20,15 +20,15 @@ pub(crate) fn bind(path: &Path) -> io::Result<UnixListener> {
     bound.map_err(|why| {
         let is_taken = why.kind() == ErrorKind::AddrInUse;
         let helps = match is_socket(path) {
-            true if is_taken => "; another server listens there",
-            false if is_taken => "; another file is there, which stays",
+            true if is_taken => "; another server is listening there",
+            false if is_taken => "; another file is at this path and is kept",
             _ => "",
         };
         io::Error::new(why.kind(), format!("{}: {why}{helps}", path.display()))
     })
 }
 
-/// Whether it is a socket at which nobody listens.
+/// Returns whether the path is a socket without a listener.
 fn is_left_over(path: &Path) -> bool {
     let refused = |why: io::Error| why.kind() == ErrorKind::ConnectionRefused;
     is_socket(path) && UnixStream::connect(path).err().is_some_and(refused)

@@ -1,7 +1,8 @@
-//! Those who are turned away: told about, and held up.
+//! Log and delay of rejected connections and requests.
 //!
-//! A line for each would let them fill the log, so that of each peer the first is told, the tenth, the hundredth. Who shows a wrong
-//! token waits for the answer; who shows the right one never does, whoever else comes from the same place.
+//! Only the first, tenth, hundredth (and so on) rejection of a peer is logged, so that rejections cannot flood the log.
+//! A request with a wrong token is answered after a delay; a correct token is never delayed, whatever else its peer
+//! sends.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -9,25 +10,25 @@ use std::time::{Duration, Instant};
 
 use crate::peer::Peer;
 
-/// Peers that are remembered.
+/// Maximum number of entries.
 const PEERS: usize = 256;
-/// A peer that keeps away for so long is forgotten.
+/// An entry is removed after this time without a further rejection.
 const CALM: Duration = Duration::from_secs(60);
-/// Of one peer so many wait at a time: each takes the place of a connection.
+/// Maximum number of delayed answers per peer. Each occupies a connection.
 const WAITING: usize = 8;
 
-/// Those who were turned away lately.
+/// Recent rejections by peer and reason.
 #[derive(Clone, Default)]
 pub(crate) struct Strangers(Arc<Mutex<BTreeMap<(Peer, Why), Stranger>>>);
 
-/// Why somebody is turned away.
+/// Reason for a rejection.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(crate) enum Why {
-    /// No token was shown.
+    /// The request has no token.
     NoToken,
-    /// Another token was shown.
+    /// The request has a wrong token.
     WrongToken,
-    /// There are too many connections.
+    /// Too many connections.
     Crowd,
 }
 
@@ -37,16 +38,16 @@ struct Stranger {
     waiting: usize,
 }
 
-/// Somebody who waits for an answer.
+/// A delayed answer. Dropping it decrements the count of its peer.
 pub(super) struct Wait(Strangers, Peer);
 
 impl Why {
-    /// In words.
+    /// Describes the reason for the log.
     fn told(self) -> &'static str {
         match self {
-            Why::NoToken => "no token was shown",
-            Why::WrongToken => "a wrong token was shown",
-            Why::Crowd => "a connection too many was turned away",
+            Why::NoToken => "rejected a request without a token",
+            Why::WrongToken => "rejected a request with a wrong token",
+            Why::Crowd => "rejected a connection beyond the limit",
         }
     }
 }
@@ -56,7 +57,7 @@ impl Strangers {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Notes that somebody is turned away; what is to be told about it, if something is.
+    /// Counts a rejection. Returns the text for the log, if it is to be logged.
     pub(super) fn note(&self, peer: Peer, why: Why) -> Option<String> {
         let mut all = self.all();
         all.retain(|_, s| s.waiting > 0 || s.latest.elapsed() < CALM);
@@ -77,7 +78,7 @@ impl Strangers {
         }
     }
 
-    /// Lets one who has shown a wrong token wait; none if so many from there wait already.
+    /// Reserves a delayed answer to a wrong token; `None` if the peer has too many.
     pub(super) fn wait(&self, peer: Peer) -> Option<Wait> {
         let mut all = self.all();
         let stranger = all.get_mut(&(peer, Why::WrongToken))?;
@@ -97,7 +98,7 @@ impl Drop for Wait {
     }
 }
 
-/// 10, 100, 1000 and so on.
+/// Returns whether the number is a power of ten.
 fn is_round(times: u64) -> bool {
     times == 10_u64.pow(times.ilog10())
 }
@@ -117,10 +118,10 @@ mod tests {
         assert_eq!(
             told.collect::<Vec<_>>(),
             [
-                "a wrong token was shown, from 10.0.0.1",
-                "a wrong token was shown, 10 times by now, from 10.0.0.1",
-                "a wrong token was shown, 100 times by now, from 10.0.0.1",
-                "a wrong token was shown, 1000 times by now, from 10.0.0.1",
+                "rejected a request with a wrong token, from 10.0.0.1",
+                "rejected a request with a wrong token, 10 times by now, from 10.0.0.1",
+                "rejected a request with a wrong token, 100 times by now, from 10.0.0.1",
+                "rejected a request with a wrong token, 1000 times by now, from 10.0.0.1",
             ]
         );
         assert!(strangers.note(peer(2), Why::WrongToken).is_some());

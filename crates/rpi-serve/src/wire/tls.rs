@@ -1,4 +1,4 @@
-//! TLS for connections from beyond this machine (RFC 8446, RFC 5246), by rustls.
+//! TLS for connections from other machines (RFC 8446, RFC 5246), by rustls.
 
 use std::io::{self, Read, Write};
 use std::net::TcpStream;
@@ -10,24 +10,24 @@ use rustls::pki_types::pem::{self, PemObject};
 use rustls::pki_types::{CertificateDer, PrivateKeyDer};
 use rustls::{ServerConfig, ServerConnection, StreamOwned};
 
-/// Who the server is, for those who connect.
+/// Certificate and key of the server.
 #[derive(Clone)]
 pub(crate) struct Identity(Arc<ServerConfig>);
 
 impl Identity {
-    /// Reads certificates, the server's own first, and its private key, both in PEM (RFC 7468).
+    /// Reads the certificate chain, the server's own certificate first, and the private key, both in PEM (RFC 7468).
     ///
     /// # Errors
-    /// Which file is wrong, and why.
+    /// If a file cannot be read or used; the text names it.
     pub(crate) fn read(certificates: &Path, key: &Path) -> Result<Identity, String> {
         let of = |path: &Path, why: &dyn std::fmt::Display| format!("{}: {why}", path.display());
         let chain = CertificateDer::pem_file_iter(certificates).and_then(Iterator::collect);
         let chain: Vec<_> = chain.map_err(|why| of(certificates, &why))?;
         if chain.is_empty() {
-            return Err(of(certificates, &"it holds no certificate"));
+            return Err(of(certificates, &"the file has no certificate"));
         }
         let secret = PrivateKeyDer::from_pem_file(key).map_err(|why| match why {
-            pem::Error::NoItemsFound => of(key, &"it holds no private key"),
+            pem::Error::NoItemsFound => of(key, &"the file has no private key"),
             why => of(key, &why),
         })?;
         let config = ServerConfig::builder_with_provider(Arc::new(default_provider()))
@@ -38,17 +38,17 @@ impl Identity {
             .map_err(|why| of(key, &why))
     }
 
-    /// A connection on which nothing but TLS is spoken. Hands are shaken with the first bytes that are read.
+    /// Starts TLS on a connection. The handshake takes place with the first read.
     ///
     /// # Errors
-    /// If there is no memory for it.
+    /// If the TLS connection cannot be created.
     pub(crate) fn secure(&self, stream: TcpStream) -> io::Result<Secure> {
         let connection = ServerConnection::new(Arc::clone(&self.0)).map_err(io::Error::other)?;
         Ok(Secure(StreamOwned::new(connection, stream)))
     }
 }
 
-/// A connection over TLS.
+/// A TLS connection.
 pub(crate) struct Secure(StreamOwned<ServerConnection, TcpStream>);
 
 impl Read for Secure {
@@ -68,7 +68,7 @@ impl Write for Secure {
 }
 
 impl Drop for Secure {
-    /// Tells that nothing was cut off.
+    /// Sends `close_notify`, so that the client can rule out a truncated answer.
     fn drop(&mut self) {
         self.0.conn.send_close_notify();
         let _ = self.0.flush();

@@ -1,4 +1,4 @@
-//! The set-points of the undisturbed commands, in a number per second.
+//! Digest of the set-points of the undisturbed commands, one per second.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -12,21 +12,21 @@ use rpi_image::{Scalar, Type};
 
 use crate::client::PATIENCE;
 
-/// Cycles in a second.
+/// Cycles per second.
 const SECOND: u64 = 1000;
 
-/// Takes in every set-point of the commands whose names begin with `MoveTo`.
+/// Hashes every set-point of the commands whose names begin with `MoveTo`.
 #[derive(Clone)]
 pub(crate) struct Digest {
     hash: Fnv,
     cycles: u64,
-    /// After each second.
+    /// Digest after each second.
     marks: Arc<[AtomicU64]>,
     passed: Arc<AtomicU64>,
 }
 
 impl Digest {
-    /// With room for so many seconds.
+    /// Creates a digest with capacity for this many seconds.
     pub(crate) fn new(seconds: u64) -> Digest {
         Digest {
             hash: Fnv::new(),
@@ -36,12 +36,12 @@ impl Digest {
         }
     }
 
-    /// How many seconds have passed.
+    /// Returns the number of complete seconds.
     pub(crate) fn passed(&self) -> u64 {
         self.passed.load(Ordering::Acquire)
     }
 
-    /// Waits until so many seconds have passed.
+    /// Waits until this many seconds are complete.
     pub(crate) fn wait(&self, seconds: u64) {
         let begin = Instant::now();
         while self.passed() < seconds {
@@ -51,7 +51,7 @@ impl Digest {
         }
     }
 
-    /// The number after each second that has passed.
+    /// Returns the digests of all complete seconds.
     pub(crate) fn marks(&self) -> Vec<u64> {
         let marks = self.marks.iter().take(self.passed() as usize);
         marks.map(|mark| mark.load(Ordering::Relaxed)).collect()

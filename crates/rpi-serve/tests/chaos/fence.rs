@@ -1,6 +1,7 @@
-//! The kernel itself sees that the server's cycle makes no system call but those of the clock, whatever clients ask of it.
+//! With the system-call fence up, the kernel verifies that the cycle thread makes no system call except those of the
+//! clock, whatever clients request.
 //!
-//! A violation ends a process, so each case runs in one of its own: this program, started again for that case.
+//! A violation kills the process, so each case runs in its own process: this test program, started again for that case.
 
 use std::os::unix::process::ExitStatusExt;
 use std::process::ExitStatus;
@@ -17,19 +18,19 @@ use crate::good::all_requests;
 use crate::rogues::TROUBLES;
 use crate::{LONGEST, Scene, make, open, owner, wait_for_calm};
 
-/// Says which case a process is for.
+/// Environment variable with the case of a child process.
 const CASE: &str = "RPI_FENCE_CASE";
-/// Signal by which the kernel ends a process for a forbidden call.
+/// Signal by which the kernel kills a process after a forbidden system call.
 const SIGSYS: i32 = 31;
-/// Exit status that says that the kernel puts up no fence.
+/// Exit status of a child process if the kernel does not support the fence.
 const NO_FENCE: i32 = 77;
-/// How often everything is asked.
+/// Number of repetitions of all requests.
 const ROUNDS: u64 = 10;
 
-/// How a tick is run.
+/// Wrapper around each tick.
 type Around = fn(&mut dyn FnMut());
 
-/// What must not be done in a tick, each by another way into the kernel.
+/// Forbidden operations in a tick, each with another system call.
 const PLANTED: [(&str, Around); 2] = [
     ("file", |tick| {
         tick();
@@ -41,7 +42,7 @@ const PLANTED: [(&str, Around); 2] = [
     }),
 ];
 
-/// Runs a case in a process of its own; none where there can be no fence.
+/// Runs a case in a child process; `None` if the kernel does not support the fence.
 fn case(name: &str) -> Option<ExitStatus> {
     let run = own_process("fence::a_case", CASE, name);
     if run.status.code() == Some(NO_FENCE) {
@@ -54,7 +55,7 @@ fn case(name: &str) -> Option<ExitStatus> {
     Some(run.status)
 }
 
-/// What the others start; by itself there is nothing to do.
+/// Entry point of the child processes; does nothing in the parent.
 #[test]
 fn a_case() {
     let Ok(name) = std::env::var(CASE) else {
@@ -62,7 +63,7 @@ fn a_case() {
     };
     let planted = PLANTED.iter().find(|(planted, _)| *planted == name);
     traffic(planted.map_or(|tick| tick(), |(_, around)| *around));
-    // The thread behind the fence cannot end.
+    // The fenced thread cannot exit, so the process does.
     std::process::exit(0);
 }
 
@@ -82,7 +83,8 @@ fn whatever_is_planted_is_caught() {
     }
 }
 
-/// The server behind a fence, recording, and blending for one client while others ask for everything that there is, in order and out of it.
+/// Runs a fenced, recording server that blends motions for one client while others send all kinds of valid and invalid
+/// requests.
 fn traffic(around_tick: Around) {
     let folder = tempfile::tempdir().unwrap();
     let real_time = RealTime {

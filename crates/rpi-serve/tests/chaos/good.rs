@@ -1,4 +1,4 @@
-//! A client that asks for everything that there is, in order, in both languages.
+//! A client that sends all kinds of valid requests, in both protocols.
 
 use std::time::Duration;
 
@@ -9,14 +9,15 @@ use crate::client::Client;
 use crate::nets::{ECHO, hold, swing};
 use crate::rogues::{dio, rpc};
 
-/// A set-point that the arm refuses.
+/// A net with a set-point that the arm refuses.
 const FAR: &str = "{far=Core::DoubleValue(Value='10.0'),\
     a=RobotArm::JointPosition(inPosition=far.outValue,Robot='arm',Axis='1')}";
-/// Two commands, the second of which can follow the first, and runs until it is cancelled.
+/// Two commands. The second one can follow the first and runs until it is cancelled.
 const PROGRAM: &str = "command First () let finish done when time >= 0.02[s]; tel
     command Second () let finish stopped when cancel; tel";
 
-/// Loads, starts, schedules, rules, takeovers, cancels, aborts, values, subscriptions, faults, unloads, devices that come and go.
+/// Sends all kinds of requests: loads, starts, rules, takeovers, cancels, aborts, values, subscriptions, faults,
+/// unloads, devices.
 pub(crate) fn all_requests(scene: &Scene, round: u64) {
     let arm = format!("good{round}");
     let mut client = Rpc(rpc(scene), 0);
@@ -57,11 +58,11 @@ fn in_directio(client: &mut Client, arm: &str) {
     client.ask(&format!("nest(\"{far}\")")).unwrap();
     client.listen(Duration::from_millis(20));
     for net in [&far, &echo] {
-        // The fault may have been quicker.
+        // The request fails if the fault has ended the net already.
         let _ = client.ask(&format!("neab(\"{net}\")"));
     }
     client.ask(&format!("neun(\"{first}\")")).unwrap();
-    // What is left goes with the session.
+    // Everything else is unloaded with the session.
     client.ask(&format!("ase(\"{session}\")")).unwrap();
 }
 
@@ -96,7 +97,7 @@ fn in_json(client: &mut Rpc) {
     client.call("session.close", &json!({"session": session}));
 }
 
-/// A client, and the number of its last request.
+/// JSON-RPC client with the number of its latest request.
 struct Rpc(Client, u64);
 
 impl Rpc {

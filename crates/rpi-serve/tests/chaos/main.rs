@@ -1,7 +1,7 @@
-//! Whatever clients do, what runs is not disturbed: the paper's blending goes on for ever with the same bits as without
-//! them, no tick allocates, and nothing of theirs is left in the end.
+//! Robustness against clients: the blending of the paper's Listing 1 runs for ever with the same bits, whatever other
+//! clients do. No tick allocates, and nothing of those clients remains at the end.
 //!
-//! A few seconds in the suite; `RPI_CHAOS` says for how many it goes on otherwise: `cargo xtask soak` takes an hour.
+//! The test runs for a few seconds, or for the number of seconds in `RPI_CHAOS`; `cargo xtask soak` takes an hour.
 
 #[path = "../server/client.rs"]
 #[expect(dead_code, reason = "the tests of the server use the rest")]
@@ -35,23 +35,23 @@ use rogues::{Random, TROUBLES};
 
 rpi_testkit::trap_allocations!();
 
-/// What clients must show.
+/// Token of the server.
 const TOKEN: &str = "a-secret";
-/// Seconds that one of each kind and the calm before and after may take.
+/// Maximum seconds for one client of each kind and the idle times before and after.
 const LONGEST: u64 = 120;
-/// Bad clients at a time.
+/// Number of concurrent bad clients.
 const ROGUES: u64 = 3;
-/// What held memory may grow by, bytes, however long it takes: the latest lines of the journal and what has become of the latest few
-/// thousand rules are remembered.
+/// Maximum growth of the allocated memory in bytes, independent of the duration: the latest log lines and a few
+/// thousand inactive rules are kept.
 const GROWTH: usize = 1 << 20;
 
-/// The server under attack.
+/// The server under test.
 struct Scene {
     address: SocketAddr,
     socket: PathBuf,
 }
 
-/// Opens a server at an address and a socket of its own, for the cell of the blending example. It may record into a file.
+/// Opens a server with its own address and socket for the cell of the blending example. It may record into a file.
 fn open(
     folder: &tempfile::TempDir,
     other: Settings,
@@ -94,7 +94,7 @@ fn set_points_are_the_same_bits_with_and_without_clients() {
     assert_eq!(quiet[..passed], crowded[..]);
 }
 
-/// The digest after each second of blending with these clients.
+/// Returns the digests of each second of blending beside these clients.
 fn run(pace: Pace, clients: impl FnOnce(&Scene, &Digest)) -> Vec<u64> {
     let folder = tempfile::tempdir().unwrap();
     let digest = Digest::new(seconds() + LONGEST);
@@ -116,7 +116,7 @@ fn run(pace: Pace, clients: impl FnOnce(&Scene, &Digest)) -> Vec<u64> {
 fn attack(scene: &Scene, digest: &Digest, seconds: u64) {
     let counts: Vec<AtomicU64> = TROUBLES.iter().map(|_| AtomicU64::new(0)).collect();
     digest.wait(1);
-    // Once each, so that what stays for good is there before memory is looked at.
+    // Run each kind once first, so that permanent allocations exist before memory is measured.
     for (trouble, count) in TROUBLES.iter().zip(&counts) {
         make(*trouble, scene, 0, count);
     }
@@ -145,7 +145,7 @@ fn attack(scene: &Scene, digest: &Digest, seconds: u64) {
     assert!(holds < held + GROWTH, "{held} bytes have become {holds}");
 }
 
-/// One bad client. One that is thrown out in the middle may fail itself.
+/// Runs one bad client. A client that the server disconnects may panic.
 fn make(trouble: rogues::Trouble, scene: &Scene, seed: u64, count: &AtomicU64) {
     let mut random = Random(seed | 1);
     drop(catch_unwind(AssertUnwindSafe(|| {
@@ -154,7 +154,7 @@ fn make(trouble: rogues::Trouble, scene: &Scene, seed: u64, count: &AtomicU64) {
     count.fetch_add(1, Ordering::Relaxed);
 }
 
-/// Waits until nothing of the bad clients is left.
+/// Waits until nothing of the bad clients remains.
 fn wait_for_calm(scene: &Scene) {
     let begin = Instant::now();
     loop {

@@ -1,4 +1,4 @@
-//! The client whose commands are not to be disturbed: the paper's Listing 1, for ever.
+//! The client whose commands must not be disturbed: the paper's Listing 1, for ever.
 
 use std::collections::VecDeque;
 use std::net::SocketAddr;
@@ -12,9 +12,9 @@ use serde_json::{Value, json};
 use crate::TOKEN;
 use crate::client::Client;
 
-/// What its commands are called.
+/// Session name of the owner.
 pub(crate) const TITLE: &str = "not to be disturbed";
-/// Commands that are loaded ahead: about half a minute's worth.
+/// Number of commands loaded ahead, about half a minute of motion.
 const AHEAD: usize = 40;
 
 struct Owner {
@@ -23,13 +23,14 @@ struct Owner {
     session: Value,
     program: String,
     made: usize,
-    /// What runs, and what follows.
+    /// The running command and its successors.
     chain: VecDeque<Value>,
-    /// Commands whose predecessors ran already when they were loaded: those may have stopped instead of handing over.
+    /// Number of commands that were loaded only after their predecessors had started. Those may have stopped instead of
+    /// being taken over.
     late: usize,
 }
 
-/// Whatever is done beside the owner's commands, and how many of these came late.
+/// Runs `clients` beside the owner's commands. Returns its result and the number of late commands.
 pub(crate) fn beside<T>(address: SocketAddr, clients: impl FnOnce() -> T) -> (T, usize) {
     let over = AtomicBool::new(false);
     thread::scope(|scope| {
@@ -41,7 +42,7 @@ pub(crate) fn beside<T>(address: SocketAddr, clients: impl FnOnce() -> T) -> (T,
     })
 }
 
-/// Runs one command after the other until it is over. How many came late?
+/// Runs one command after the other until `over` is set. Returns the number of late commands.
 fn shuttle(address: SocketAddr, over: &AtomicBool) -> usize {
     let example = rpi_testkit::workspace_root().join("examples/blending/blending.rpi");
     let path = format!("/rpc?token={TOKEN}");
@@ -70,7 +71,7 @@ fn shuttle(address: SocketAddr, over: &AtomicBool) -> usize {
 }
 
 impl Owner {
-    /// Calls a method; if the server has too much to do, again.
+    /// Calls a method; repeats the call while the server is busy.
     fn call(&mut self, method: &str, params: &Value) -> Value {
         loop {
             self.last += 1;
@@ -89,7 +90,7 @@ impl Owner {
         }
     }
 
-    /// Loads another command and lets it follow the last one.
+    /// Loads another command and schedules it as the successor of the last one.
     fn extend(&mut self) {
         let name = match self.made {
             0 => "MoveToA",
@@ -113,7 +114,7 @@ impl Owner {
         self.chain.push_back(command);
     }
 
-    /// Lets go of the command that has ended, if one has.
+    /// Removes the first command of the chain once it has ended.
     fn go_on(&mut self) {
         let first = self.chain[0].clone();
         if self.state(&first) == "terminated" {

@@ -9,10 +9,10 @@ use std::time::Duration;
 use crate::client::{Client, http};
 use crate::{Scene, TOKEN};
 
-/// What a bad client does.
+/// Behaviour of a bad client.
 pub(crate) type Trouble = fn(&Scene, &mut Random);
 
-/// All of them.
+/// All kinds of bad clients.
 pub(crate) const TROUBLES: &[Trouble] = &[
     half_a_head,
     no_http,
@@ -31,7 +31,7 @@ pub(crate) const TROUBLES: &[Trouble] = &[
     killed_somewhere,
 ];
 
-/// A generator of numbers (Marsaglia 2003, xorshift64).
+/// Pseudo-random number generator (Marsaglia 2003, xorshift64).
 pub(crate) struct Random(pub(crate) u64);
 
 impl Random {
@@ -82,7 +82,7 @@ fn a_body_that_never_comes(scene: &Scene, _: &mut Random) {
     raw(scene.address, head.as_bytes());
 }
 
-/// A frame of 1 GiB, half a message, bits that mean nothing, text that is no UTF-8.
+/// Sends a frame of 1 GiB, half a message, reserved bits and invalid UTF-8.
 fn frames_that_mean_nothing(scene: &Scene, random: &mut Random) {
     let frames: [&[u8]; 4] = [
         &[0x81, 0x7f, 0, 0, 0, 0, 0x40, 0, 0, 0, b'x'],
@@ -129,7 +129,7 @@ fn killed_while_loading(scene: &Scene, random: &mut Random) {
     }
 }
 
-/// Takes what is held, starts and stops what there is not.
+/// Loads a net whose actuator is held, and starts and stops unknown commands.
 fn a_thief(scene: &Scene, _: &mut Random) {
     let mut client = dio(scene);
     let session = session(&mut client);
@@ -146,7 +146,7 @@ fn a_flood_unheard(scene: &Scene, _: &mut Random) {
     (0..10_000).for_each(|_| client.send("f=gde()"));
 }
 
-/// Ten thousand messages, each of which is answered.
+/// Sends ten thousand messages that are all answered.
 fn a_flood_with_answers(scene: &Scene, _: &mut Random) {
     let mut client = dio(scene);
     for _ in 0..100 {
@@ -171,7 +171,7 @@ fn pages_and_devices(scene: &Scene, random: &mut Random) {
     crate::page(scene, "/modules");
 }
 
-/// Two megabytes, loaded, started, unloaded; or left behind.
+/// Loads a net of two megabytes, starts and unloads it, or leaves it behind.
 fn a_large_net(scene: &Scene, random: &mut Random) {
     let net = long(20_000);
     assert!(net.len() > 1_500_000);
@@ -187,7 +187,7 @@ fn a_large_net(scene: &Scene, random: &mut Random) {
     client.ask(&format!("neun(\"{net}\")")).unwrap();
 }
 
-/// A net of so many additions in a row.
+/// Returns a net with this many additions in a row.
 fn long(additions: usize) -> String {
     use std::fmt::Write;
     let one = "1.000000000000000000000000000001";
@@ -207,14 +207,14 @@ fn long(additions: usize) -> String {
     net
 }
 
-/// Wants to hear of every command in every tick, and does not listen.
+/// Subscribes to every command with a period of one tick and reads nothing.
 fn a_deaf_listener(scene: &Scene, _: &mut Random) {
     let mut client = dio(scene);
     (1..200).for_each(|n| client.send(&format!("w{n}=gne(\"n{n}\",0.001)")));
     thread::sleep(Duration::from_millis(300));
 }
 
-/// Text that is no UTF-8, no JSON, no request; brackets without end; half a line.
+/// Sends lines with invalid UTF-8, invalid JSON, invalid requests, deep nesting, and half a line.
 fn bad_lines(scene: &Scene, _: &mut Random) {
     let Ok(mut stream) = UnixStream::connect(&scene.socket) else {
         return;
@@ -234,7 +234,7 @@ fn bad_lines(scene: &Scene, _: &mut Random) {
     thread::sleep(Duration::from_millis(5));
 }
 
-/// A line longer than a message may be: the server hangs up.
+/// Sends a line beyond the maximum message size. The server must disconnect.
 fn an_endless_line(scene: &Scene, _: &mut Random) {
     let Ok(mut stream) = UnixStream::connect(&scene.socket) else {
         return;
@@ -244,7 +244,7 @@ fn an_endless_line(scene: &Scene, _: &mut Random) {
     let _ = stream.read(&mut [0]);
 }
 
-/// Is killed somewhere in an orderly conversation.
+/// Disconnects at a random point of a valid session.
 fn killed_somewhere(scene: &Scene, random: &mut Random) {
     let mut client = rpc(scene);
     let program = "command W () let finish done when time >= 1[s]; tel";

@@ -1,4 +1,4 @@
-//! A server for a test, and clients of it.
+//! Server and clients for tests.
 
 use std::io::{Read, Write};
 use std::net::{Ipv4Addr, SocketAddr, TcpStream};
@@ -10,7 +10,7 @@ use rpi_sim::Cell;
 use tungstenite::protocol::Role;
 use tungstenite::{Message, WebSocket};
 
-/// No test waits longer for anything.
+/// Timeout of every wait in tests.
 pub(crate) const PATIENCE: Duration = Duration::from_secs(30);
 
 pub(crate) const CELL: &str = "
@@ -36,13 +36,13 @@ pub(crate) fn open() -> Server {
     server(&settings(), ())
 }
 
-/// A client in messages.
+/// Websocket client.
 pub(crate) struct Client {
     socket: WebSocket<TcpStream>,
     tag: u32,
-    /// What was heard and not yet asked for.
+    /// Received messages.
     heard: Vec<String>,
-    /// How much of it was heard before what was asked for last.
+    /// Number of messages received up to and including the latest one waited for.
     before: usize,
 }
 
@@ -55,7 +55,7 @@ impl Client {
         Client::at(address, "/rpc")
     }
 
-    /// As the reference system's client does it: no version, no mask.
+    /// Connects as the client of the reference system does: without version and masking.
     pub(crate) fn at(address: SocketAddr, path: &str) -> Client {
         let mut stream = TcpStream::connect(address).unwrap();
         write!(
@@ -86,12 +86,12 @@ impl Client {
         self.socket.send(Message::text(text)).unwrap();
     }
 
-    /// The first message, heard before or to come, of which `wanted` makes something.
+    /// Waits for the first message that `wanted` accepts, among earlier ones too. Returns the result of `wanted`.
     pub(crate) fn wait<T>(&mut self, what: &str, wanted: impl Fn(&str) -> Option<T>) -> T {
         self.wait_from(0, what, wanted)
     }
 
-    /// The first such message that came after all that were waited for before.
+    /// Waits for the first accepted message after all that were waited for before.
     pub(crate) fn wait_for_next<T>(&mut self, what: &str, wanted: impl Fn(&str) -> Option<T>) -> T {
         self.wait_from(self.before, what, wanted)
     }
@@ -112,7 +112,7 @@ impl Client {
         }
     }
 
-    /// All messages that come within this time, with those heard before.
+    /// Receives for this time. Returns all messages, including earlier ones.
     pub(crate) fn listen(&mut self, time: Duration) -> Vec<String> {
         let begin = Instant::now();
         while begin.elapsed() < time {
@@ -124,7 +124,7 @@ impl Client {
         std::mem::take(&mut self.heard)
     }
 
-    /// Asks in DirectIO and gives what stands in `ok(...)`.
+    /// Sends a DirectIO request. Returns the argument of `ok(...)` or `err(...)`.
     pub(crate) fn ask(&mut self, request: &str) -> Result<String, String> {
         self.tag += 1;
         let tag = format!("c{}", self.tag);
@@ -139,7 +139,7 @@ impl Client {
         })
     }
 
-    /// Loads a net in a session and gives its name.
+    /// Loads a net in a session. Returns its name.
     pub(crate) fn load(&mut self, session: &str, net: &str) -> String {
         let net = net.replace('\\', "\\\\").replace('"', "\\\"");
         self.ask(&format!("nene(\"{net}\",\"{session}\",\"test\",0.0,1)"))
@@ -156,7 +156,7 @@ pub(crate) fn read_head(stream: &mut TcpStream) -> String {
     String::from_utf8_lossy(&head).into_owned()
 }
 
-/// Sends a request and gives the whole answer.
+/// Sends an HTTP request. Returns the whole response.
 pub(crate) fn http(address: SocketAddr, request: &str) -> String {
     let mut stream = TcpStream::connect(address).unwrap();
     stream.set_read_timeout(Some(PATIENCE)).unwrap();

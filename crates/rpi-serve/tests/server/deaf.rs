@@ -1,4 +1,4 @@
-//! A client that does not read what it is told.
+//! A client that does not read its messages.
 
 use std::time::{Duration, Instant};
 
@@ -26,7 +26,8 @@ fn a_client_that_does_not_read_is_given_up() {
     let net = deaf.load(&session, &swing(0, 1e9));
     deaf.ask(&format!("nest(\"{net}\")")).unwrap();
     let begin = Instant::now();
-    // Its session's commands are cancelled once it is given up; an oscillation that never ends sees that as `cancel`.
+    // The commands of its session are cancelled once it is disconnected; an endless oscillation shows that by its
+    // state.
     while !get(server.address(), "/nets").contains("Cancelling") {
         assert!(begin.elapsed() < PATIENCE, "it is still listened to");
         for _ in 0..1000 {
@@ -34,13 +35,13 @@ fn a_client_that_does_not_read_is_given_up() {
         }
     }
     let log = get(server.address(), "/log");
-    assert!(log.contains("from this machine is given up"), "{log}");
+    assert!(log.contains("from this machine is disconnected"), "{log}");
     let mut other = Client::dio(server.address());
     assert!(other.ask("ver(\"2.0\")").is_ok());
 }
 
 impl Client {
-    /// Sends without caring whether it arrives.
+    /// Sends a message and ignores errors.
     fn push(&mut self, text: &str) {
         let _ = self.socket_mut().send(Message::text(text));
     }

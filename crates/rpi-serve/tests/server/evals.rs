@@ -1,4 +1,4 @@
-//! Nets that run for one cycle: they are as little above the rules as others, and leave nothing behind.
+//! Nets that run for one cycle: emergency stop and limits apply to them, and they leave nothing behind.
 
 use serde_json::json;
 
@@ -9,7 +9,7 @@ use crate::rules::Owner;
 const READ: &str = "{m=RobotArm::JointMonitor(Robot='arm',Axis='0'),\
     at=Core::DoubleNetcommOut(inValue=m.outCommandedPosition,Key='at')}";
 
-/// While everything is to stand still a client may look at where it stands.
+/// During an emergency stop, a client may still read positions.
 #[test]
 fn nothing_moves_by_a_single_cycle_after_an_emergency_stop() {
     let server = open();
@@ -25,7 +25,7 @@ fn nothing_moves_by_a_single_cycle_after_an_emergency_stop() {
     assert!(eval(&hold(0)).starts_with("HTTP/1.1 200"));
 }
 
-/// More of them than there are places for commands, all in vain.
+/// More evaluations than the limit of commands fail one after the other, and each one is removed.
 #[test]
 fn what_cannot_have_its_cycle_is_told_so_and_forgotten() {
     let server = open();

@@ -1,4 +1,4 @@
-//! However much clients want at once, the cycle does only so much of it in a tick.
+//! Limits on the work of the cycle per tick, however much clients request.
 
 use std::time::Instant;
 
@@ -24,7 +24,7 @@ fn until(mut is_so: impl FnMut() -> bool) {
     }
 }
 
-/// A session of everybody, and a command in it.
+/// Opens a shared session and loads a command in it.
 fn shared(owner: &mut Owner) -> Value {
     let opened = owner.ask("session.open", &json!({"shared": true}));
     owner.session = opened["result"]["session"].clone();
@@ -44,14 +44,14 @@ fn only_so_much_is_set_at_once() {
     };
     assert_eq!(dio.ask(&set(10)), Ok(String::new()));
     let refused = dio.ask(&set(100_000)).unwrap_err();
-    assert!(refused.contains("values that are set at once"), "{refused}");
-    // What is said last counts.
+    assert!(refused.contains("values in one request"), "{refused}");
+    // The last value of an input wins.
     owner.ask("command.start", &json!({"command": echo}));
     let describe = json!({"command": echo});
     until(|| owner.ask("command.describe", &describe)["result"]["values"]["twice"] == "8.0");
 }
 
-/// The cycle looks at every fact of every rule in each tick.
+/// The cycle evaluates every fact of every rule in each tick, so their total number is limited.
 #[test]
 fn rules_say_only_so_much_in_all() {
     let server = with(Limits {
@@ -67,7 +67,7 @@ fn rules_say_only_so_much_in_all() {
     assert!(rules[0]["result"]["rule"].is_string(), "{}", rules[0]);
     assert!(rules[1]["result"]["rule"].is_string(), "{}", rules[1]);
     assert_eq!(rules[2]["error"]["code"], -32004, "{}", rules[2]);
-    // Those that are over leave room.
+    // Inactive rules do not count.
     let drop = json!({"rule": rules[0]["result"]["rule"]});
     owner.ask("rule.withdraw", &drop);
     until(|| owner.ask("rule.make", &rule)["result"]["rule"].is_string());
@@ -76,7 +76,7 @@ fn rules_say_only_so_much_in_all() {
     assert_eq!(refused["error"]["code"], -32004, "{refused}");
 }
 
-/// One client cannot use up what there is for all; what it leaves behind when it goes is dropped.
+/// One client cannot use up the limit of all; its rules without commands are dropped when it disconnects.
 #[test]
 fn rules_are_counted_by_client() {
     let server = with(Limits {
@@ -133,12 +133,12 @@ fn a_client_watches_only_so_much() {
         let refused = owner.ask(method, what);
         assert_eq!(refused["error"]["code"], -32004, "{refused}");
     }
-    // What is gone is not watched any more.
+    // A subscription to an unloaded command does not count any more.
     owner.ask("command.unload", &watch);
     until(|| owner.ask("watch.emergency", &json!({}))["result"] == json!({}));
 }
 
-/// Tasks take room as commands do; those that have ended give it up.
+/// Tasks count as commands; ended ones are removed when the limit is reached.
 #[test]
 fn tasks_are_counted() {
     let server = with(Limits {

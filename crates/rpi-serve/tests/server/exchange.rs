@@ -1,4 +1,4 @@
-//! Recorded exchanges with the reference system's client: see `tests/exchanges/README.md`.
+//! Recorded exchanges with the client of the reference system: see `tests/exchanges/README.md`.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -27,7 +27,7 @@ fn nets() -> Names {
     lines("nets.txt").iter().map(split).collect()
 }
 
-/// A message with its nets and with the names that are known.
+/// Substitutes nets and known names in a message.
 fn filled(message: &str, nets: &Names, names: &Names) -> String {
     let mut text = message.to_owned();
     for (name, net) in nets {
@@ -39,7 +39,7 @@ fn filled(message: &str, nets: &Names, names: &Names) -> String {
     text
 }
 
-/// Whether a text fits a pattern of fixed parts with any text between them; a part `$name` at most is taken.
+/// Matches a text against a pattern of fixed parts separated by `*`. Returns the name and text of at most one `$name`.
 fn fits(text: &str, pattern: &str) -> Option<Option<(String, String)>> {
     if let Some((before, rest)) = pattern.split_once('$') {
         let end = rest

@@ -1,4 +1,4 @@
-//! Who may come in, and how far.
+//! Authentication and permissions.
 
 use std::net::{Ipv4Addr, SocketAddr};
 use std::time::{Duration, Instant};
@@ -70,8 +70,8 @@ fn wrong_tokens_and_pages_from_elsewhere_are_turned_away() {
     assert_eq!(
         server.warnings(),
         [
-            "no token was shown, from this machine",
-            "a wrong token was shown, from this machine"
+            "rejected a request without a token, from this machine",
+            "rejected a request with a wrong token, from this machine"
         ]
     );
     assert!(ask("Authorization: Bearer open sesame").starts_with("HTTP/1.1 200"));
@@ -79,7 +79,7 @@ fn wrong_tokens_and_pages_from_elsewhere_are_turned_away() {
     assert!(ask(stranger).starts_with("HTTP/1.1 403"));
 }
 
-/// Who guesses waits, and takes only a few of the places of connections; whoever knows the token comes in meanwhile.
+/// Wrong tokens are answered with a delay and use only a few connections; a correct token is accepted meanwhile.
 #[test]
 fn guessing_a_token_is_slow_and_holds_nobody_up() {
     let token = "open sesame";
@@ -176,7 +176,7 @@ fn a_net_and_what_has_happened_can_be_looked_at() {
     client.ask(&format!("neab(\"{net}\")")).unwrap();
     client.wait("its end", |text| text.contains("TERMINATED").then_some(()));
     let log = get(address, "/log");
-    assert!(log.contains("of a client is opened") && log.contains("(test) has ended: aborted"));
+    assert!(log.contains("of a client was opened") && log.contains("(test) has ended: aborted"));
     let groups = get(address, "/extensions");
     assert!(groups.contains("<extension name=\"Core\" modules="));
     assert!(get(address, "/nets/n99/xml").contains("404"));
@@ -204,7 +204,7 @@ fn devices_come_and_go_unless_somebody_holds_them() {
     assert!(remove("arm").contains("belongs to the cell"));
     client.ask(&format!("neab(\"{net}\")")).unwrap();
     client.wait("the end", |text| text.contains("TERMINATED").then_some(()));
-    // What has ended with it does not hold it, and goes with it.
+    // Ended commands that used the device do not block its removal; they are unloaded with it.
     assert!(remove("arm two").contains("200 OK"));
     client.wait("the unloading", |text| {
         text.contains("UNLOADED").then_some(())
@@ -285,7 +285,7 @@ fn what_becomes_of_commands_without_their_client_is_chosen() {
     }
 }
 
-/// A text from a client names no file of the server's machine: nothing is read, and nothing of it is told.
+/// A text from a client cannot read files of the server's machine.
 #[test]
 fn a_text_from_a_client_reads_no_files() {
     let server = open();

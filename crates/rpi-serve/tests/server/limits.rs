@@ -1,4 +1,4 @@
-//! Every limit holds, is told by name, and leaves the others alone.
+//! Every limit holds, its error names it, and other clients are not affected.
 
 use std::io::{Read, Write};
 use std::net::TcpStream;
@@ -27,7 +27,7 @@ fn session(server: &Server) -> (Client, String) {
     (client, session)
 }
 
-/// However many sessions a client opens: as much as it has stays free for others.
+/// One client with many sessions leaves as much memory free as it holds.
 #[test]
 fn one_client_does_not_take_the_memory_of_all() {
     let server = with(Limits {
@@ -44,7 +44,7 @@ fn one_client_does_not_take_the_memory_of_all() {
     assert!(two.ask(&load(&second)).is_ok(), "the other has its own");
 }
 
-/// One client with all the sessions that it gets leaves room for the next one, in sessions and commands.
+/// One client with the maximum of sessions leaves sessions and commands for the next one.
 #[test]
 fn one_client_does_not_take_all_places() {
     let server = with(Limits {
@@ -65,7 +65,7 @@ fn one_client_does_not_take_all_places() {
     assert_eq!(loaded.count(), 3);
 }
 
-/// What runs on after its client is gone takes places of whoever comes from there next.
+/// Commands of a disconnected client count for the next client of the same peer.
 #[test]
 fn what_a_client_leaves_behind_counts() {
     let server = with(Limits {
@@ -80,17 +80,21 @@ fn what_a_client_leaves_behind_counts() {
     }
     let begin = Instant::now();
     let mut last = Client::dio(server.address());
-    while get(server.address(), "/log").matches("is gone").count() < 6 {
+    while get(server.address(), "/log")
+        .matches("has disconnected")
+        .count()
+        < 6
+    {
         assert!(begin.elapsed() < PATIENCE, "they are still there");
     }
     let refused = last.ask("nse(\"one more\")").unwrap_err();
     assert!(
-        refused.contains("sessions of all clients from one place"),
+        refused.contains("sessions of all clients of one peer"),
         "{refused}"
     );
 }
 
-/// Why the server closes a connection, in its words.
+/// Returns the reason in the server's close frame.
 fn closed(client: &mut Client) -> String {
     let (begin, mut why) = (Instant::now(), String::new());
     while client.socket_mut().can_read() {
@@ -115,7 +119,7 @@ fn a_message_that_is_too_long_ends_the_connection() {
     let (mut client, _) = session(&server);
     let binary = tungstenite::Message::binary(vec![1, 2, 3]);
     client.socket_mut().send(binary).unwrap();
-    assert_eq!(closed(&mut client), "messages are texts");
+    assert_eq!(closed(&mut client), "binary messages are not supported");
     let body = format!("dionet={}", "x".repeat(2000));
     assert!(post(server.address(), "/eval", &body).starts_with("HTTP/1.1 413"));
     assert!(get(server.address(), "/sessions").starts_with("HTTP/1.1 200"));
@@ -133,7 +137,7 @@ fn rules_and_devices_are_counted() {
     let rule = format!("nesc(\"{net}.outcancelled\",[\"{net}\"],[],[])");
     assert!(client.ask(&rule).is_ok() && client.ask(&rule).is_ok());
     assert!(client.ask(&rule).unwrap_err().contains("rules"));
-    // Without their command they can never fire, and make room.
+    // Without their command these rules can never fire, so they no longer count.
     client.ask(&format!("neun(\"{net}\")")).unwrap();
     let net = client.load(&session, ECHO);
     let rule = format!("nesc(\"{net}.outcancelled\",[\"{net}\"],[],[])");
@@ -146,7 +150,7 @@ fn rules_and_devices_are_counted() {
     assert!(add("b").contains("limit reached: devices"));
 }
 
-/// Of eight devices beside the cell's those from one place make no more than six: some are left for others.
+/// With eight device slots, clients of one peer get at most six.
 #[test]
 fn nobody_makes_all_devices() {
     let server = with(Limits {
@@ -162,7 +166,7 @@ fn nobody_makes_all_devices() {
     let made: Vec<bool> = made.collect();
     assert_eq!(made.iter().position(|made| !made), Some(6), "{made:?}");
     let why = add(9);
-    let whose = "limit reached: devices of all clients from one place";
+    let whose = "limit reached: devices of all clients of one peer";
     assert!(why.contains(whose), "{why}");
 }
 
@@ -187,7 +191,7 @@ fn connections_are_counted_and_come_free_again() {
     }
 }
 
-/// The images of a task are kept for as long as it is there: they count, and so does each command that it has loaded.
+/// The images of a loaded task count as memory, and so does each command loaded from them.
 #[test]
 fn the_code_of_a_task_is_memory_and_so_are_its_commands() {
     let text = "command Long ()
@@ -214,7 +218,7 @@ task Once () let Long(); tel
     assert_eq!(refused["error"]["code"], -32004, "{refused}");
     let message = refused["error"]["message"].as_str().unwrap();
     assert!(message.contains("memory"), "{message}");
-    // Room for the images, and none for a command.
+    // There is room for the images, but not for a command.
     let (_server, mut owner, loaded) = load(50_000);
     let task = loaded["result"]["task"].clone();
     assert!(task.is_string(), "{loaded}");
@@ -229,5 +233,5 @@ task Once () let Long(); tel
         assert!(begin.elapsed() < PATIENCE, "{told}");
     };
     let trouble = told["trouble"].as_str().unwrap();
-    assert!(trouble.contains("no memory left"), "{trouble}");
+    assert!(trouble.contains("memory quota is exhausted"), "{trouble}");
 }

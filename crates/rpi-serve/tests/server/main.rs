@@ -1,5 +1,5 @@
-//! The server as its clients see it: recorded exchanges, the native interface, who may come in, and that nobody disturbs
-//! what runs.
+//! Tests of the server through its protocols: recorded exchanges, the native interface, authentication, limits and
+//! isolation of clients.
 
 mod client;
 mod deaf;

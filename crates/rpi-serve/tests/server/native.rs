@@ -181,18 +181,18 @@ fn only_sockets_that_nobody_listens_at_are_replaced() {
         why
     };
     std::fs::write(&path, "notes").unwrap();
-    assert!(refused().ends_with("another file is there, which stays"));
+    assert!(refused().ends_with("another file is at this path and is kept"));
     assert_eq!(std::fs::read_to_string(&path).unwrap(), "notes");
     std::fs::remove_file(&path).unwrap();
     let other = std::os::unix::net::UnixListener::bind(&path).unwrap();
-    assert!(refused().ends_with("another server listens there") && path.exists());
-    // Closed, it leaves its file.
+    assert!(refused().ends_with("another server is listening there") && path.exists());
+    // A server that closes removes its socket file.
     drop(other);
     drop(rpi_serve::Server::open(&cell, &settings, ()).unwrap());
     assert!(!path.exists());
 }
 
-/// Waits until a page says what is wanted of it.
+/// Waits until a page satisfies `wanted`.
 fn until(server: &rpi_serve::Server, page: &str, wanted: impl Fn(&str) -> bool) {
     let begin = std::time::Instant::now();
     loop {
@@ -229,7 +229,7 @@ fn whoever_takes_a_session_up_again_owns_it() {
     call(&mut first, 3, "command.start", &json!({"command": running}));
     drop(first);
     let lost = format!(
-        "the client of session {} is gone",
+        "the client of session {} has disconnected",
         session.as_str().unwrap()
     );
     until(&server, "/log", |told| told.contains(&lost));
@@ -242,7 +242,7 @@ fn whoever_takes_a_session_up_again_owns_it() {
     until(&server, "/sessions", |told| !told.contains("heirloom"));
 }
 
-/// A command that ends by the result `left` or `right`, as its name says.
+/// Returns a command that ends by the result `left` or `right`, given by `side`.
 fn turn(side: &str) -> String {
     format!(
         "command Turn ()
@@ -255,7 +255,7 @@ tel",
     )
 }
 
-/// Two successors are sent ahead; the result decides between two cycles, and the other is given up.
+/// Both successors are loaded ahead. The result selects one between two cycles, and the other one is unloaded.
 #[test]
 fn a_task_branches_by_result() {
     for side in ["left", "right"] {

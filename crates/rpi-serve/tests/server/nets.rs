@@ -1,7 +1,7 @@
 //! Nets for the tests, in the notation of the reference system.
 
-/// Swings axis `axis` of the arm by 0.1 rad about where it stands, for ever; exports the set-point as `probe` and true as
-/// `_1` after `seconds`.
+/// Moves axis `axis` of the arm back and forth by 0.1 rad for ever. Exports the set-point as `probe`, and true as `_1`
+/// after `seconds`.
 pub(crate) fn swing(axis: usize, seconds: f64) -> String {
     format!(
         "{{clock=Core::Clock(Increment='1.0'),\
@@ -15,7 +15,8 @@ pub(crate) fn swing(axis: usize, seconds: f64) -> String {
     )
 }
 
-/// Swings axis 0 as [`swing`] does; exports `blend` after `seconds`, and after a second `completed`, or `cancelled` if it was.
+/// Moves axis 0 as [`swing`] does. Exports `blend` after `seconds`, and after a second `completed`, or `cancelled` if
+/// it was.
 #[allow(dead_code, reason = "the tests of bad clients use the others")]
 pub(crate) fn way(seconds: f64) -> String {
     let results = format!(
@@ -32,7 +33,7 @@ pub(crate) fn way(seconds: f64) -> String {
     swing.trim_end_matches('}').to_owned() + &results
 }
 
-/// Holds axis `axis` where it is commanded.
+/// Holds axis `axis` at its commanded position.
 pub(crate) fn hold(axis: usize) -> String {
     format!(
         "{{m=RobotArm::JointMonitor(Robot='arm',Axis='{axis}'),\
@@ -42,7 +43,7 @@ pub(crate) fn hold(axis: usize) -> String {
     )
 }
 
-/// Exports its input `gain` times two as `twice`, and whether it was cancelled.
+/// Exports twice its input `gain` as `twice`, and whether it was cancelled.
 pub(crate) const ECHO: &str = "{in=Core::DoubleNetcommIn(Key='gain',Value='1.0'),\
     two=Core::DoubleMultiply(inFirst=in.outValue,Second='2.0'),\
     out=Core::DoubleNetcommOut(inValue=two.outValue,Key='twice'),\

@@ -1,4 +1,4 @@
-//! In which order a client is told things.
+//! Order of updates.
 
 use std::time::Duration;
 
@@ -39,7 +39,7 @@ fn an_end_is_told_after_the_firing_and_the_values_that_led_to_it() {
     assert!(position(&heard, "e=rs(\"FIRED\")") < at[4]);
 }
 
-/// In the reference system the handle of a predecessor ran on for ever after a blend.
+/// The predecessor ends after a blend; in the reference system its handle stays running for ever.
 #[test]
 fn a_predecessor_ends_when_its_successor_takes_over() {
     let server = open();
@@ -65,7 +65,8 @@ fn a_predecessor_ends_when_its_successor_takes_over() {
     assert!(again.unwrap_err().contains("no command"));
 }
 
-/// A motion of the framework is complete for its handle, once and before its rule has fired, however soon the next takes over.
+/// A motion that is taken over is reported as complete once, before its rule is reported as fired, however early the
+/// successor takes over.
 #[test]
 fn what_is_taken_over_is_told_to_be_complete_after_its_own_start() {
     let server = open();

@@ -1,4 +1,5 @@
-//! Commands whose cycles take too long: counted with their place in the program, and ended if that is their policy.
+//! Commands whose cycles take too long: they are counted with their location in the program, and ended if their policy
+//! says so.
 
 use std::fmt::Write as _;
 use std::fs::File;
@@ -13,11 +14,11 @@ use serde_json::{Value, json};
 use crate::client::{CELL, Client, PATIENCE, settings};
 use crate::native::call;
 
-/// Cosines one after the other: more than a tick of [`TICK_NS`] can hold.
+/// Number of cosines in a row, more than a tick of [`TICK_NS`] can compute.
 const COSINES: usize = 3000;
 const TICK_NS: u64 = 50_000;
 
-/// Computes more than a tick holds in every cycle, in a fragment; exports how many cycles there were.
+/// Returns a command with a fragment that takes longer than a tick in every cycle. It exports its number of cycles.
 fn heavy() -> String {
     let mut text = "command Heavy ()\nlet\n  n = 1 -> pre n + 1;\n  export n;\n".to_owned();
     text.push_str("  fragment Busy when n > 0\n  let\n    x0 = real(n);\n");
@@ -57,7 +58,7 @@ fn describe(client: &mut Client, command: &Value) -> Value {
     told["result"].clone()
 }
 
-/// Starts a command, and waits until `is_so` holds of what is told of it.
+/// Starts a command and waits until its description satisfies `is_so`.
 fn run_until(client: &mut Client, command: &Value, is_so: impl Fn(&Value) -> bool) -> Value {
     let started = call(client, 3, "command.start", &json!({"command": command}));
     assert!(started["error"].is_null(), "{started}");
@@ -88,7 +89,8 @@ fn what_takes_too_long_is_counted_with_its_place() {
     assert!(overruns["late"].as_f64() > Some(0.0), "{told}");
 }
 
-/// Who takes too long ends, with cause and place; who does not runs on. The same comes out when it is run again.
+/// A command with an abort policy ends with cause and location; another command keeps running. A replay of the
+/// recording agrees.
 #[test]
 fn a_policy_of_its_own_ends_a_command_and_no_other() {
     let folder = tempfile::tempdir().unwrap();
@@ -116,7 +118,7 @@ fn a_policy_of_its_own_ends_a_command_and_no_other() {
     let told = run_until(&mut client, &heavy, |told| told["state"] == "terminated");
     let ending = &told["ending"];
     assert_eq!(ending["cause"], "aborted", "{told}");
-    assert_eq!(ending["why"], "cycles took too long, once too often");
+    assert_eq!(ending["why"], "too many overruns");
     assert_eq!(ending["place"], "Busy", "{told}");
     assert!(ending["cycles"].as_u64() >= Some(3), "{told}");
     assert_eq!(describe(&mut client, &light)["state"], "running");

@@ -1,11 +1,11 @@
-//! What belongs to one client cannot be ended or changed by another, whichever way that one comes in.
+//! Ownership: no client can end or change what belongs to another one, by any interface.
 
 use serde_json::{Value, json};
 
 use crate::client::{open, post};
 use crate::rules::{COUNT, Owner};
 
-/// A rule that stops a command is that command's owner's, as the command is.
+/// A rule belongs to the owner of the commands that it acts on.
 #[test]
 fn rules_are_withdrawn_by_whom_their_commands_belong_to() {
     let server = open();
@@ -46,7 +46,7 @@ fn a_page_ends_no_session_of_somebody_who_is_there() {
     assert!(post(server.address(), &page, "action=TERMINATE").starts_with("HTTP/1.1 200"));
 }
 
-/// What is of the wrong kind is told, and not taken for what was left out.
+/// A parameter of the wrong type is an error, and not treated as missing.
 #[test]
 fn parameters_of_the_wrong_kind_are_told() {
     let server = open();
@@ -72,7 +72,7 @@ fn parameters_of_the_wrong_kind_are_told() {
     assert!(absent["result"]["command"].is_string(), "{absent}");
 }
 
-/// What is misspelt would not be heard, and a name is shown as it is on pages and in the log.
+/// Misspelt parameters and device names with special characters are rejected.
 #[test]
 fn devices_have_names_and_known_parameters() {
     let server = open();
@@ -95,7 +95,7 @@ fn devices_have_names_and_known_parameters() {
     assert_eq!(made["result"]["device"], "arm two", "{made}");
 }
 
-/// What a removed device takes along is told.
+/// The log names the commands that are unloaded with their device.
 #[test]
 fn commands_that_go_with_their_device_are_named() {
     let server = open();
@@ -114,26 +114,26 @@ fn commands_that_go_with_their_device_are_named() {
     assert_eq!(removed["result"], json!({}), "{removed}");
     let log = crate::client::get(server.address(), "/log");
     let name = hold.as_str().unwrap();
-    let told = format!("{name} (hold) is unloaded, as device two is removed");
+    let told = format!("{name} (hold) is unloaded because device two is removed");
     assert!(log.contains(&told), "{log}");
 }
 
-/// A name that there is not is no question which one is meant.
+/// An unknown name of a command or task is reported as unknown, not as ambiguous.
 #[test]
 fn names_that_are_not_in_the_text_are_told() {
     let server = open();
     let mut owner = Owner::new(&server);
     let text = format!("{COUNT}task T let Count(); tel task P let Count(); tel");
-    let known = "there are: Count; did you mean Count?";
+    let known = "expected one of: Count; did you mean Count?";
     let cases = [
         ("command", "Cuont", known),
-        ("task", "Quux", "there are: T, P"),
+        ("task", "Quux", "expected one of: T, P"),
     ];
     for (kind, name, known) in cases {
         let mut load = json!({"session": owner.session, "text": text});
         load[kind] = json!(name);
         let refused = owner.ask(&format!("{kind}.load"), &load);
-        let why = format!("there is no {kind} {name} in the text, {known}");
+        let why = format!("unknown {kind} {name} in the text, {known}");
         assert_eq!(refused["error"]["message"], why, "{refused}");
     }
 }

@@ -1,4 +1,4 @@
-//! What a server has done is recorded, and gives the same bits when it is run again.
+//! A server is recorded, and a replay of the recording gives the same bits.
 
 use std::fs::File;
 use std::io::{self, BufWriter, Cursor, Seek, SeekFrom, Write};
@@ -12,7 +12,7 @@ use rpi_sim::Cell;
 use crate::client::{CELL, Client, PATIENCE, get, settings};
 use crate::nets::{ECHO, hold, swing};
 
-/// A server over the arm of the other tests that records into a file.
+/// Opens a server with the arm of the other tests that records into a file.
 fn recorded(path: &Path) -> Server {
     recording_to(BufWriter::new(File::create(path).unwrap()))
 }
@@ -30,7 +30,7 @@ fn recording_to(out: impl Output + 'static) -> Server {
     Server::open_recorded(&cell, &settings(), (), Some(wanted)).unwrap()
 }
 
-/// A disk with room for so many bytes.
+/// A disk with a capacity in bytes.
 struct Disk(Cursor<Vec<u8>>, u64);
 
 impl Write for Disk {
@@ -52,7 +52,7 @@ impl Seek for Disk {
     }
 }
 
-/// Whoever looks hears at once that nothing is recorded any more, and not in the end; what runs goes on.
+/// The error of a full disk is reported at once and not only at the end; commands keep running.
 #[test]
 fn a_full_disk_is_told_at_once_and_stops_nothing() {
     let server = recording_to(Disk(Cursor::default(), 64 << 10));
@@ -67,7 +67,7 @@ fn a_full_disk_is_told_at_once_and_stops_nothing() {
         std::thread::sleep(Duration::from_millis(5));
         warnings = server.warnings();
     }
-    let told = "NOTHING IS RECORDED ANY MORE: no storage space";
+    let told = "RECORDING STOPPED: no storage space";
     assert_eq!(warnings, [told]);
     assert!(server.warnings().is_empty(), "it is told once");
     let log = get(server.address(), "/log");
@@ -78,7 +78,7 @@ fn a_full_disk_is_told_at_once_and_stops_nothing() {
     assert_eq!(why.kind(), io::ErrorKind::StorageFull, "{why}");
 }
 
-/// Loads, values, a takeover, a cancel, an abort, unloads, the end of a session.
+/// Sends loads, values, a takeover, a cancel, an abort and unloads, and closes the session.
 fn traffic(client: &mut Client) {
     let session = client.ask("nse(\"test\")").unwrap();
     let texts = [swing(0, 0.05), hold(0), ECHO.to_owned()];

@@ -1,4 +1,4 @@
-//! What is refused, and what becomes of those who cannot start any more.
+//! Refused requests, and commands that can no longer be started.
 
 use serde_json::{Value, json};
 
@@ -72,7 +72,8 @@ fn rules_ask_for_booleans_only() {
     }
 }
 
-/// What is taken over is read in the first cycle; before it is to be set, as whoever comes first has no predecessor.
+/// An input that is taken over is read in the first cycle. Before that it must be set, as the first command has no
+/// predecessor.
 #[test]
 fn what_is_taken_over_cannot_be_set_while_it_runs() {
     let server = open();
@@ -83,7 +84,7 @@ fn what_is_taken_over_cannot_be_set_while_it_runs() {
     let refused = owner.ask("command.start", &json!({"command": cut}));
     assert_eq!(refused["error"]["code"], -32602, "{refused}");
     assert!(
-        refused.to_string().contains("takes length over"),
+        refused.to_string().contains("takes over length"),
         "{refused}"
     );
     assert!(refused.to_string().contains("command.set"), "{refused}");
@@ -93,7 +94,7 @@ fn what_is_taken_over_cannot_be_set_while_it_runs() {
     let refused = owner.ask("command.set", &set(7.0));
     assert_eq!(refused["error"]["code"], -32602, "{refused}");
     assert!(refused.to_string().contains("taken over"), "{refused}");
-    // The inputs of nets are there to be set.
+    // Inputs of nets can be set at any time.
     let echo = owner.load(ECHO, "echo", "rpinet");
     owner.ask("command.start", &json!({"command": echo}));
     let set = json!({"command": echo, "values": {"gain": 2.0}});
@@ -113,7 +114,7 @@ fn who_holds_what_is_told_by_name() {
     assert!(why.starts_with("arm[") && why.ends_with(&held), "{why}");
 }
 
-/// Who wants it back keeps what nothing can start any more.
+/// With `keep`, a command that can no longer be started becomes ready again.
 #[test]
 fn who_is_to_be_kept_is_ready_again() {
     let server = open();
@@ -133,7 +134,7 @@ fn who_is_to_be_kept_is_ready_again() {
     }
 }
 
-/// Strands start together or not at all: all that were to start are named.
+/// Parallel branches start together or not at all; the error names all commands that were to start.
 #[test]
 fn strands_that_cannot_start_together_are_all_named() {
     let server = open();
@@ -153,7 +154,10 @@ fn strands_that_cannot_start_together_are_all_named() {
         let update: Value = serde_json::from_str(text).ok()?;
         update["params"]["trouble"].as_str().map(str::to_owned)
     });
-    let both = ["Count and Swing cannot", "Swing and Count cannot"];
+    let both = [
+        "cannot start Count and Swing",
+        "cannot start Swing and Count",
+    ];
     assert!(
         both.iter().any(|names| trouble.starts_with(names)),
         "{trouble}"
@@ -161,7 +165,7 @@ fn strands_that_cannot_start_together_are_all_named() {
     assert!(trouble.contains("is held by holder"), "{trouble}");
 }
 
-/// What a task's command left moving is told with it.
+/// An ended command of a task reports the devices that it left moving.
 #[test]
 fn steps_of_a_task_tell_what_braked() {
     let server = open();
@@ -183,7 +187,8 @@ fn steps_of_a_task_tell_what_braked() {
     assert_eq!(step["at"], "4:3", "{step}");
 }
 
-/// Whatever moves brakes, whoever it belongs to; nobody starts anything until it is reset, and that only once all stand still.
+/// An emergency stop brakes everything of all clients. Nothing can be started until the reset, which requires that all
+/// devices are at rest.
 #[test]
 fn an_emergency_stop_brakes_what_moves() {
     let server = open();

@@ -1,4 +1,5 @@
-//! What commands may take of a tick by the compiler's bounds: who is too heavy is refused, alone or beside others, with the figures.
+//! Share of a tick by the compiler's bounds: a command that exceeds it, alone or with others, is rejected with the
+//! figures.
 
 use std::fmt::Write as _;
 
@@ -8,7 +9,7 @@ use serde_json::{Value, json};
 use crate::client::{Client, PATIENCE, server, settings};
 use crate::native::call;
 
-/// A command without end that computes so many cosines in a cycle.
+/// Returns an endless command that computes this many cosines per cycle.
 fn cosines(count: usize) -> String {
     let mut text = "command Cosines () let n = 1 -> pre n + 1; x0 = real(n);\n".to_owned();
     for k in 1..=count {
@@ -52,7 +53,7 @@ impl Scene {
         call(&mut self.client, 3, method, &json!({"command": command}))
     }
 
-    /// What a command of so many cosines may take of a tick, seconds.
+    /// Returns the bound in s of a command with this many cosines.
     fn bound(&mut self, count: usize) -> f64 {
         let command = self.cosines(count);
         let told = self.ask("command.describe", &command);
@@ -60,7 +61,7 @@ impl Scene {
     }
 }
 
-/// Cosines that take about this share of what commands may take of a tick.
+/// Returns the number of cosines whose bound is about this share of the budget of commands.
 fn count_for(scene: &mut Scene, share: f64) -> usize {
     let each = (scene.bound(200) - scene.bound(100)) / 100.0;
     (share * 0.8e-3 / each) as usize
@@ -121,7 +122,8 @@ fn those_that_take_turns_at_an_arm_count_once() {
     assert!(scene.ask("command.start", &first)["error"].is_null());
 }
 
-/// Each has ended when the next one starts, whether they share an actuator or not.
+/// Successors count once, whether they use the same actuator or not, because the predecessor has ended when the
+/// successor starts.
 #[test]
 fn those_that_follow_one_another_count_once() {
     let mut scene = Scene::new(&settings());
@@ -138,7 +140,7 @@ fn those_that_follow_one_another_count_once() {
     assert_eq!(told["error"]["code"], -32008, "{told}");
 }
 
-/// The work of a primitive grows with its matrices.
+/// The work of a primitive grows with the size of its matrices.
 #[test]
 fn large_matrices_are_heavy() {
     let mut scene = Scene::new(&settings());
@@ -160,7 +162,7 @@ fn large_matrices_are_heavy() {
     );
 }
 
-/// What the Java framework makes of sixteen straight lines in a row is let in.
+/// The net that the Java framework makes of sixteen linear motions in a row is accepted.
 #[test]
 fn the_authors_largest_net_fits_a_tick() {
     let Some(path) =

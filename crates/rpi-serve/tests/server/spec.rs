@@ -1,4 +1,4 @@
-//! JSON-RPC 2.0 to the letter: batches, notifications, what is no request; and signs of life.
+//! Conformance to JSON-RPC 2.0: batches, notifications, invalid requests; and the timeout of silent clients.
 
 use std::time::{Duration, Instant};
 
@@ -35,7 +35,7 @@ fn a_batch_has_one_answer() {
     assert_eq!(of(Value::Null)["error"]["code"], -32600);
 }
 
-/// What is asked in a batch may take its time: the answer comes when all is done.
+/// A batch is answered once all of its requests are answered, including slow ones.
 #[test]
 fn a_batch_waits_for_what_takes_longer() {
     let server = open();
@@ -81,7 +81,7 @@ fn what_is_no_request_is_told_so() {
     }
 }
 
-/// A client that is there but has nothing to say is asked, and stays; one that does not answer is given up.
+/// A silent client that answers pings stays connected; one that does not is disconnected.
 #[test]
 fn who_gives_no_sign_of_life_is_given_up() {
     let mut settings = settings();
@@ -106,7 +106,7 @@ fn who_gives_no_sign_of_life_is_given_up() {
     assert!(over, "it was silent for two seconds, and is still there");
 }
 
-/// What is misspelt, of the wrong kind or not told by name is said so, with what is meant: it would not be heard otherwise.
+/// An unknown, mistyped or positional parameter is an error with a suggestion; it would be ignored otherwise.
 #[test]
 fn parameters_that_no_method_has_are_refused() {
     let server = open();
@@ -120,17 +120,17 @@ fn parameters_that_no_method_has_are_refused() {
         (
             "session.open",
             json!({"on_loss": "dance"}),
-            "on_loss: one of run-on, cancel, abort is needed",
+            "on_loss: expected one of run-on, cancel, abort",
         ),
         (
             "session.open",
             json!({"name": 5}),
-            "name: a text is needed, found a number",
+            "name: expected a text, found a number",
         ),
         (
             "session.open",
             json!(["test"]),
-            "params: parameters are given by their names, in an object",
+            "params: expected an object with the parameters by name",
         ),
         (
             "command.start",
@@ -140,7 +140,7 @@ fn parameters_that_no_method_has_are_refused() {
         (
             "watch.command",
             json!({"command": "n1", "period": -1}),
-            "period: from 0 to 3600 seconds, found -1.0",
+            "period: expected 0 to 3600 seconds, found -1.0",
         ),
     ];
     for (id, (method, params, why)) in (1..).zip(cases) {
@@ -153,7 +153,7 @@ fn parameters_that_no_method_has_are_refused() {
     assert!(message.ends_with("did you mean command.start?"), "{near}");
 }
 
-/// JSON-RPC 2.0, section 4: an id is a text, a number or null, and comes back as it was.
+/// JSON-RPC 2.0, section 4: an id is a text, a number or null, and is returned unchanged.
 #[test]
 fn ids_that_could_not_come_back_are_refused() {
     let server = open();
@@ -169,7 +169,7 @@ fn ids_that_could_not_come_back_are_refused() {
     }
 }
 
-/// However it is asked for: everything stops.
+/// An emergency stop is carried out even if its request is malformed.
 #[test]
 fn an_emergency_stop_is_never_refused() {
     for request in [
@@ -186,7 +186,7 @@ fn an_emergency_stop_is_never_refused() {
     }
 }
 
-/// What a state does not allow is told with what the state is, and with what helps.
+/// A request that the state of a command does not allow is refused with the state and a hint.
 #[test]
 fn what_does_not_fit_a_state_is_told_with_it() {
     let server = open();
@@ -200,14 +200,14 @@ fn what_does_not_fit_a_state_is_told_with_it() {
             .unwrap_or_default()
             .to_owned()
     };
-    assert!(why("command.cancel").ends_with("it is ready, and does not run"));
+    assert!(why("command.cancel").ends_with("it is ready, but not running"));
     assert_eq!(why("command.start"), "");
-    assert!(why("command.start").ends_with("it runs already"));
+    assert!(why("command.start").ends_with("it is already running"));
     assert_eq!(why("command.abort"), "");
-    assert!(why("command.start").ends_with("loaded again"));
+    assert!(why("command.start").ends_with("to run it again"));
 }
 
-/// A number arrives as the client's language writes it, to the last bit.
+/// Numbers of a JSON-RPC client are kept to the last bit.
 #[test]
 fn numbers_keep_every_bit() {
     let server = open();

@@ -1,4 +1,4 @@
-//! What those who watch are told of what became of a task or command.
+//! Updates about the outcome of tasks and commands.
 
 use rpi_core::Continuity;
 use rpi_serve::Settings;
@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use crate::client::{get, open, server, settings};
 use crate::rules::{COUNT, Owner, SWING};
 
-/// Takes over with a leap of its joint 0.
+/// A command that takes over with a jump of joint 0.
 const LEAP: &str = "use motion;
 command Leap (arm: Arm)
 let
@@ -16,7 +16,7 @@ let
 tel
 ";
 
-/// The next update of this command or task of which `wanted` makes something.
+/// Waits for the next update of this command or task that `wanted` accepts.
 fn next<T>(
     owner: &mut Owner,
     (kind, name): (&str, &Value),
@@ -29,7 +29,7 @@ fn next<T>(
     })
 }
 
-/// As with commands: nothing comes any more, and whoever waits for its end would wait for ever.
+/// A subscriber to a task is notified when the task is unloaded; it would wait for ever otherwise.
 #[test]
 fn who_watches_a_task_is_told_that_it_is_unloaded() {
     let server = open();
@@ -51,8 +51,8 @@ fn who_watches_a_task_is_told_that_it_is_unloaded() {
     }
 }
 
-/// Which actuator, quantity, value and limit, as `rpi run` tells it: in the ending where the leap is refused, at once where
-/// it is allowed.
+/// A jump is reported with actuator, quantity, value and limit as by `rpi run`: in the ending if it is refused, at once
+/// if it is allowed.
 #[test]
 fn a_leap_is_told_to_whom_it_concerns() {
     for (continuity, cause) in [(None, Some("fault")), (Some(Continuity::Allow), None)] {
@@ -89,7 +89,7 @@ fn a_leap_is_told_to_whom_it_concerns() {
         assert_eq!(told["result"]["jump"], json!(jump), "{told}");
         let log = get(server.address(), "/log");
         assert!(
-            log.contains(&format!("(leap) does not join what went before: {jump}")),
+            log.contains(&format!("(leap) takes over with a jump: {jump}")),
             "{log}"
         );
     }

@@ -1,4 +1,4 @@
-//! Declarations, bodies and tasks.
+//! Dumps of declarations, bodies and tasks.
 
 use super::expr::{clock, dotted, flag, name, option};
 use super::sexp::Sexp;
@@ -9,7 +9,7 @@ pub(super) fn doc(doc: Option<&Doc>) -> Sexp {
     option("doc", doc, |doc| Sexp::quoted(doc))
 }
 
-/// A word for a variant, from its name.
+/// Creates an atom of the lower-case name of an enum variant.
 fn word(variant: impl std::fmt::Debug) -> Sexp {
     Sexp::atom(format!("{variant:?}").to_lowercase())
 }

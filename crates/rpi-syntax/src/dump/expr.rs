@@ -1,4 +1,4 @@
-//! Expressions, calls, types and literals.
+//! Dumps of expressions, calls, types and literals.
 
 use super::sexp::Sexp;
 use super::{Dumper, Parens, node, nodes};
@@ -12,7 +12,7 @@ pub(super) fn dotted(dotted: &Dotted) -> Sexp {
     nodes("dotted", &dotted.parts, name)
 }
 
-/// `(name value)`, or nothing if there is none.
+/// Creates `(tag value)`, or [`Sexp::Nothing`] without a value.
 pub(super) fn option<T>(tag: &str, value: Option<&T>, one: impl Fn(&T) -> Sexp) -> Sexp {
     value.map_or(Sexp::Nothing, |value| node(tag, [one(value)]))
 }

@@ -1,4 +1,4 @@
-//! Tokens and trees as text, for `--emit tokens`, `--emit ast` and the tests. Places are left out.
+//! Dumps of tokens and trees as text, for `--emit tokens`, `--emit ast` and the tests. Trees are dumped without spans.
 
 mod decl;
 mod expr;
@@ -11,16 +11,16 @@ use rpi_diag::FileId;
 use sexp::Sexp;
 use std::fmt::Write as _;
 
-/// Whether the parentheses that a writer set show in the dump of a tree.
+/// Whether the dump of a tree shows the parentheses of the source.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Parens {
-    /// They show: the tree as it is.
+    /// Shows parentheses: the tree as parsed.
     Keep,
-    /// They do not: two trees that mean the same look the same.
+    /// Omits parentheses: equivalent trees have the same dump.
     Drop,
 }
 
-/// The tree as nested lists, one declaration after the other.
+/// Dumps a tree as nested lists (S-expressions), one declaration after the other.
 pub fn dump_ast(file: &File, parens: Parens) -> String {
     let dumper = Dumper { parens };
     let mut out = String::new();
@@ -33,7 +33,7 @@ pub fn dump_ast(file: &File, parens: Parens) -> String {
     out
 }
 
-/// The tokens as the parser sees them, a line each: place, kind, text.
+/// Dumps the tokens of the parser, one per line: byte range, kind, text.
 pub fn dump_tokens(text: &str, mode: Mode) -> String {
     let mut out = String::new();
     for lexeme in lex(FileId(0), text, mode).lexemes {
@@ -47,16 +47,17 @@ pub fn dump_tokens(text: &str, mode: Mode) -> String {
     out
 }
 
-/// Turns nodes into nested lists.
+/// Converter of nodes into nested lists.
 struct Dumper {
     parens: Parens,
 }
 
-/// A list of what a name is followed by.
+/// Creates a list of a name and the given parts.
 fn node(name: &str, parts: impl IntoIterator<Item = Sexp>) -> Sexp {
     Sexp::List(std::iter::once(Sexp::atom(name)).chain(parts).collect())
 }
 
+/// Creates a list of a name and the converted elements.
 fn nodes<T>(name: &str, elements: &[T], one: impl Fn(&T) -> Sexp) -> Sexp {
     node(name, elements.iter().map(one))
 }

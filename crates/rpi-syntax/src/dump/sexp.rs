@@ -1,14 +1,14 @@
-//! Nested lists, written on one line each if they fit.
+//! Nested lists (S-expressions), each on one line if it fits.
 
-/// A word, or a list in parentheses.
+/// S-expression: an atom, or a list in parentheses.
 pub(super) enum Sexp {
     Atom(String),
     List(Vec<Sexp>),
-    /// Left out.
+    /// Empty element, which is not written.
     Nothing,
 }
 
-/// The longest line.
+/// Maximum line width in characters.
 const WIDTH: usize = 100;
 
 impl Sexp {
@@ -16,7 +16,7 @@ impl Sexp {
         Sexp::Atom(text.into())
     }
 
-    /// A text that may hold anything, in quotes.
+    /// Creates an atom of arbitrary text, in quotes and escaped.
     pub(super) fn quoted(text: &str) -> Sexp {
         Sexp::Atom(format!("{text:?}"))
     }
@@ -34,7 +34,7 @@ impl Sexp {
         }
     }
 
-    /// The width on one line, as far as `limit`.
+    /// Returns the width on one line in characters. Stops counting once `limit` is exceeded.
     fn width(&self, limit: usize) -> usize {
         match self {
             Sexp::Atom(atom) => atom.chars().count(),

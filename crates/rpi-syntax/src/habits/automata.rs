@@ -1,4 +1,4 @@
-//! Habits from other state machines: transitions as SCADE and its kin write them.
+//! Transitions of state machines in the syntax of SCADE and similar languages.
 
 use super::bodies::behind;
 use super::operators::own_if;
@@ -7,20 +7,20 @@ use crate::explain::Found;
 use crate::token::Token;
 use rpi_diag::{Code, Finding, Fix, Span};
 
-/// `until if c then S`
+/// Recognises a transition with a needless `if`: `until if c then S`.
 pub(super) fn conditional(found: &Found<'_, '_>) -> Option<Habit> {
     let own = own_if(found)?;
     if !begins_transition(found, own) || !found.expects(Token::Else) || !is_transition(found) {
         return None;
     }
     let finding = habit("the condition of a transition needs no `if`")
-        .at(found.span_at(own), "a transition always has one")
+        .at(found.span_at(own), "a transition always has a condition")
         .fix(Fix::sure("delete `if`").replace(with_gap(found, own), ""));
     let mend = Mend::Tokens(vec![(own..own + 1, Vec::new())]);
     Some(Habit { finding, mend })
 }
 
-/// `until c restart S`, `until if c resume S`
+/// Recognises SCADE's words before the target state: `until c restart S`, `until if c resume S`.
 pub(super) fn entry(found: &Found<'_, '_>) -> Option<Habit> {
     let at = found.fault.at;
     let (word, token) = match found.written(at) {
@@ -33,23 +33,23 @@ pub(super) fn entry(found: &Found<'_, '_>) -> Option<Habit> {
     }
     let mut fix = Fix::sure(format!("write `{word}`"));
     let mut edits = Vec::new();
-    // The word would not stand there behind an `if`: it goes, too.
+    // The grammar stopped at this word with an unfinished `if`, so the `if` must be deleted too.
     if let Some(own) = leading_if(found) {
         fix = Fix::sure(format!("write `{word}`, without `if`")).replace(with_gap(found, own), "");
         edits.push((own..own + 1, Vec::new()));
     }
     edits.push(found.instead(at, &[token]));
     let finding =
-        habit("the next state follows `then`, or `continue` if it goes on where it was left")
-            .at(found.span_at(at), "a word of another language")
+        habit("write `then` before the next state, or `continue` to resume it where it was left")
+            .at(found.span_at(at), "keyword of another language")
             .fix(fix.replace(found.span_at(at), word));
     let mend = Mend::Tokens(edits);
     Some(Habit { finding, mend })
 }
 
-/// `until c then continue S`, `until c then resume S`
+/// Recognises two words before the target state: `until c then continue S`, `until c then resume S`.
 pub(super) fn entry_twice(found: &Found<'_, '_>) -> Option<Habit> {
-    // Where it is no word of its own it was taken for the name of the state.
+    // `resume` is an identifier here, so the grammar took it for the state and rejected the token after it.
     let at = found.fault.at;
     let mut places = [at, at.saturating_sub(1)].into_iter();
     let word = places.find(|word| second_word(found.written(*word)).is_some())?;
@@ -61,11 +61,10 @@ pub(super) fn entry_twice(found: &Found<'_, '_>) -> Option<Habit> {
         return None;
     }
     let both = found.span_at(then).merge(found.span_at(word));
-    let finding = habit(
-        "the next state follows `then` alone, or `continue` alone if it goes on where it was left",
-    )
-    .at(both, "one of the two words is enough")
-    .fix(Fix::sure(title).replace(both, kept));
+    let finding =
+        habit("the next state follows either `then`, or `continue` to resume it where it was left")
+            .at(both, "one of the two words is enough")
+            .fix(Fix::sure(title).replace(both, kept));
     let mend = Mend::Tokens(vec![
         found.instead(then, &[token]),
         (word..word + 1, Vec::new()),
@@ -73,7 +72,7 @@ pub(super) fn entry_twice(found: &Found<'_, '_>) -> Option<Habit> {
     Some(Habit { finding, mend })
 }
 
-/// What to write for a word behind `then`, and with which title.
+/// Returns the fix title, the keyword and its token that replace `then` and the word after it.
 fn second_word(written: &str) -> Option<(&'static str, &'static str, Token)> {
     match written {
         "continue" | "resume" => Some(("write `continue`", "continue", Token::Continue)),
@@ -82,7 +81,7 @@ fn second_word(written: &str) -> Option<(&'static str, &'static str, Token)> {
     }
 }
 
-/// `state S let ... tel unless c then T;`
+/// Recognises a strong transition after the body of its state: `state S let ... tel unless c then T;`.
 pub(super) fn late_unless(found: &Found<'_, '_>) -> Option<Habit> {
     let at = found.fault.at;
     if found.token(at) != Some(Token::Unless) || !found.expects(Token::Until) {
@@ -90,7 +89,7 @@ pub(super) fn late_unless(found: &Found<'_, '_>) -> Option<Habit> {
     }
     let name = 1 + state_before(found, at)?;
     let phrase = at..found.structure.phrase(at).end.max(at + 1);
-    // A sign that is missing between the two does not make them one.
+    // Stop at the next transition, in case the `;` between the two is missing.
     let mut words = at + 1..phrase.end;
     let next = words.find(|at| matches!(found.token(*at), Some(Token::Until | Token::Unless)));
     let (end, last, mend) = match next {
@@ -106,7 +105,7 @@ pub(super) fn late_unless(found: &Found<'_, '_>) -> Option<Habit> {
         .span(found.lexemes[at - 1].end, found.lexemes[last].end);
     let text = found.text(at..end).to_owned();
     let title = "put it before the body";
-    // Of two transitions the first goes before the other.
+    // The order of transitions is their priority, so a move before another `unless` is not a sure fix.
     let fix = match found.token(name + 1) {
         Some(Token::Unless) => Fix::maybe(title),
         _ => Fix::sure(title),
@@ -114,17 +113,17 @@ pub(super) fn late_unless(found: &Found<'_, '_>) -> Option<Habit> {
     let fix = fix
         .replace(behind(found.span_at(name)), format!(" {text};"))
         .replace(old, "");
-    let finding = habit("`unless` stands before the body of its state")
+    let finding = habit("`unless` is written before the body of its state")
         .at(
             found.span_at(at),
-            "a strong transition is decided before the body is computed",
+            "strong transitions are evaluated before the body",
         )
-        .also(found.span_at(name), "it belongs behind this name")
+        .also(found.span_at(name), "must follow this name")
         .fix(fix);
     Some(Habit { finding, mend })
 }
 
-/// `state S: y = x; until c then T;`
+/// Recognises the body of a state without `let` and `tel`: `state S: y = x; until c then T;`.
 pub(super) fn no_let(found: &Found<'_, '_>) -> Option<Habit> {
     use Token::{Automaton, Colon, End, Eq, Ident, Initial, Let, State, Tel, Until};
     let at = found.fault.at;
@@ -144,7 +143,7 @@ pub(super) fn no_let(found: &Found<'_, '_>) -> Option<Habit> {
         )
     };
     let end = (at + 1..=found.lexemes.len()).find(|at| ends(found.token(*at)))?;
-    let finding = habit("the equations of a state stand between `let` and `tel`")
+    let finding = habit("the equations of a state are written between `let` and `tel`")
         .at(found.span_at(at), "expected `let`");
     if end == found.lexemes.len() || found.token(end) == Some(Automaton) {
         let finding = finding.help("`state S let y = x; tel until c then T;`");
@@ -166,7 +165,7 @@ pub(super) fn no_let(found: &Found<'_, '_>) -> Option<Habit> {
     })
 }
 
-/// `state S let y = x; until c then T;`
+/// Recognises the body of a state without `tel`: `state S let y = x; until c then T;`.
 pub(super) fn open_state(found: &Found<'_, '_>) -> Option<Habit> {
     use Token::{Automaton, End, Initial, Let, State, Tel, Until};
     let at = found.fault.at;
@@ -182,7 +181,7 @@ pub(super) fn open_state(found: &Found<'_, '_>) -> Option<Habit> {
     Some(without_end(found, "state", open, (Tel, " tel")))
 }
 
-/// `automaton ... state S let ... tel tel`
+/// Recognises an automaton without `end`: `automaton ... state S let ... tel tel`.
 pub(super) fn no_end(found: &Found<'_, '_>) -> Option<Habit> {
     use Token::{Automaton, End, Eq, Ident, State, Tel};
     let at = found.fault.at;
@@ -202,7 +201,7 @@ pub(super) fn no_end(found: &Found<'_, '_>) -> Option<Habit> {
     Some(without_end(found, "automaton", open, (End, "\nend")))
 }
 
-/// What begins with the token `open` lacks its last word before the token with the fault.
+/// Reports that the block opened at token `open` lacks its closing keyword `end`, and inserts it at the error.
 fn without_end(
     found: &Found<'_, '_>,
     what: &str,
@@ -211,10 +210,10 @@ fn without_end(
 ) -> Habit {
     let (at, word) = (found.fault.at, text.trim_start());
     let (begin, last) = (found.written(open), found.span_at(at - 1));
-    let finding = Finding::new(Code::RPI0004, format!("this {what} has no end"))
+    let finding = Finding::new(Code::RPI0004, format!("this {what} is not closed"))
         .at(
             found.span_at(open),
-            format!("no `{word}` for this `{begin}`"),
+            format!("this `{begin}` has no matching `{word}`"),
         )
         .also(behind(last), format!("expected `{word}` here"))
         .fix(Fix::sure(format!("insert `{word}`")).insert_after(last, text));
@@ -222,26 +221,26 @@ fn without_end(
     Habit { finding, mend }
 }
 
-/// Whether a token is the first of a transition.
+/// Returns whether token `at` is the first of a transition's condition.
 fn begins_transition(found: &Found<'_, '_>, at: usize) -> bool {
     let before = at.checked_sub(1).and_then(|at| found.token(at));
     matches!(before, Some(Token::Until | Token::Unless | Token::Bar))
 }
 
-/// The `if` by which the transition with the fault begins.
+/// Returns the index of the `if` that begins the condition of the transition with the error.
 fn leading_if(found: &Found<'_, '_>) -> Option<usize> {
     let mut before = (0..found.fault.at).rev();
     let first = before.find(|at| begins_transition(found, *at))?;
     (found.token(first) == Some(Token::If)).then_some(first)
 }
 
-/// A token with the gap behind it.
+/// Returns the span of token `at` with the white space after it.
 fn with_gap(found: &Found<'_, '_>, at: usize) -> Span {
     let (token, next) = (found.lexemes[at], found.lexemes[at + 1]);
     found.cx.span(token.start, next.start)
 }
 
-/// Whether the fault is in a transition.
+/// Returns whether the syntax error is in a transition.
 fn is_transition(found: &Found<'_, '_>) -> bool {
     let at = found.fault.at;
     let phrase = found.structure.phrase(at.saturating_sub(1));
@@ -249,7 +248,7 @@ fn is_transition(found: &Found<'_, '_>) -> bool {
     before.any(|token| matches!(token, Some(Token::Until | Token::Unless)))
 }
 
-/// The `state` whose body ends before a token.
+/// Returns the index of the `state` keyword whose body ends before token `at`.
 fn state_before(found: &Found<'_, '_>, at: usize) -> Option<usize> {
     let mut at = at;
     loop {

@@ -1,4 +1,4 @@
-//! Habits in bodies: statements that change things one after another, where equations say what holds.
+//! Imperative statements of other languages in place of equations.
 
 use super::{Habit, Mend, habit};
 use crate::ast::Ident;
@@ -7,30 +7,30 @@ use crate::token::Token;
 use rpi_diag::{Code, Finding, Fix, Span};
 use std::ops::Range;
 
-/// `use motion;;`
+/// Recognises a doubled `;` after a declaration: `use motion;;`.
 pub(super) fn doubled_semi(found: &Found<'_, '_>) -> Option<Habit> {
     let at = found.fault.at;
     let is_second = [found.token_before(), found.token(at)] == [Some(Token::Semi); 2];
-    // Elsewhere something could stand between the two.
+    // If the grammar expects anything here, the second `;` may mark a missing element.
     if !is_second || !found.fault.expected.is_empty() {
         return None;
     }
     let span = found.span_at(at);
-    let finding = Finding::new(Code::RPI0001, "this `;` ends nothing")
-        .at(span, "the declaration before it has its own")
+    let finding = Finding::new(Code::RPI0001, "unexpected second `;`")
+        .at(span, "the declaration has already ended")
         .fix(Fix::sure("delete `;`").replace(span, ""));
     let mend = Mend::Tokens(vec![(at..at + 1, Vec::new())]);
     Some(Habit { finding, mend })
 }
 
-/// `let z = x;`, `var z = x;`
+/// Recognises a declaration keyword before an equation: `let z = x;`, `var z = x;`.
 pub(super) fn needless_word(found: &Found<'_, '_>) -> Option<Habit> {
     let at = found.fault.at;
     let word = matches!(
         found.token(at),
         Some(Token::Let | Token::Var | Token::Const)
     );
-    // `let mut x = ...`
+    // Skips `mut` of Rust: `let mut x = ...`.
     let name = at + 1 + usize::from(found.written(at + 1) == "mut");
     let equation =
         found.token(name) == Some(Token::Ident) && found.token(name + 1) == Some(Token::Eq);
@@ -42,13 +42,13 @@ pub(super) fn needless_word(found: &Found<'_, '_>) -> Option<Habit> {
         .cx
         .span(found.lexemes[at].start, found.lexemes[name].start);
     let finding = habit(format!("an equation needs no `{written}`"))
-        .at(found.span_at(at), "the equation itself introduces the flow")
+        .at(found.span_at(at), "the equation declares the flow")
         .fix(Fix::sure(format!("delete `{written}`")).replace(place, ""));
     let mend = Mend::Tokens(vec![(at..name, Vec::new())]);
     Some(Habit { finding, mend })
 }
 
-/// `var z: int;` behind `let`.
+/// Recognises a declaration of locals after `let`: `var z: int;`.
 pub(super) fn late_declaration(found: &Found<'_, '_>) -> Option<Habit> {
     let at = found.fault.at;
     let typed = matches!(found.token(at + 2), Some(Token::Colon | Token::Comma));
@@ -57,13 +57,13 @@ pub(super) fn late_declaration(found: &Found<'_, '_>) -> Option<Habit> {
     }
     let end = found.structure.phrase(at).end;
     let finding = habit("locals are declared before `let`")
-        .at(found.span_at(at), "this stands among the equations")
-        .help("write it between the ports and `let`; in `.rpi` files it may be left out: an equation introduces its flow");
+        .at(found.span_at(at), "declaration among the equations")
+        .help("move it between the ports and `let`; in `.rpi` files it is optional: an equation declares its flow");
     let mend = Mend::Tokens(vec![(at..(end + 1).min(found.lexemes.len()), Vec::new())]);
     Some(Habit { finding, mend })
 }
 
-/// `n += 1;` and `n++;`
+/// Recognises compound assignments: `n += 1;` and `n++;`.
 pub(super) fn compound(found: &Found<'_, '_>) -> Option<Habit> {
     use Token::{Eq, Minus, Plus, Slash, Star};
     let at = found.fault.at;
@@ -90,13 +90,13 @@ pub(super) fn compound(found: &Found<'_, '_>) -> Option<Habit> {
     let is_other = |(i, pair): (usize, &[crate::lexer::Lexeme])| {
         i + 1 != at && pair[1].token == Eq && found.written(i) == name
     };
-    let finding = habit("a flow has one equation, which says what it is in every cycle")
+    let finding = habit("a flow is defined by one equation, which holds in every cycle")
         .at(
             found.span_of(at..at + 2),
-            format!("changes `{name}` as elsewhere a variable"),
+            format!("assigns to `{name}` like a variable"),
         )
         .help(format!(
-            "its value in the cycle before is `pre {name}`: `{meant}`"
+            "its value in the previous cycle is `pre {name}`: `{meant}`"
         ));
     let finding = match others.into_iter().any(is_other) {
         true => finding,
@@ -112,7 +112,7 @@ pub(super) fn compound(found: &Found<'_, '_>) -> Option<Habit> {
     })
 }
 
-/// `return x;`
+/// Recognises a return statement: `return x;`.
 pub(super) fn returned(found: &Found<'_, '_>) -> Option<Habit> {
     let at = found.fault.at.checked_sub(1)?;
     if found.written(at) != "return" || found.token(at) != Some(Token::Ident) {
@@ -120,8 +120,8 @@ pub(super) fn returned(found: &Found<'_, '_>) -> Option<Habit> {
     }
     let outputs = outputs(found);
     let span = found.span_at(at);
-    let finding = habit("an out-port gets its value by an equation")
-        .at(span, "nothing returns: all equations hold at once");
+    let finding = habit("an out-port is defined by an equation")
+        .at(span, "there is no `return`: all equations hold at once");
     let phrase = found.structure.phrase(at);
     let value = found.token(at + 2) == Some(Token::Semi);
     let finding = match &outputs[..] {
@@ -133,7 +133,7 @@ pub(super) fn returned(found: &Found<'_, '_>) -> Option<Habit> {
             let meant = format!("{} =", one.name);
             finding.fix(Fix::sure(format!("write `{meant}`")).replace(span, meant))
         }
-        _ => finding.help("write an equation for each: `y = ...;`"),
+        _ => finding.help("write an equation for each out-port: `y = ...;`"),
     };
     Some(Habit {
         finding,
@@ -141,7 +141,7 @@ pub(super) fn returned(found: &Found<'_, '_>) -> Option<Habit> {
     })
 }
 
-/// The out-ports of the declaration.
+/// Returns the names of the out-ports in the header of the declaration.
 fn outputs(found: &Found<'_, '_>) -> Vec<Ident> {
     let Some(word) = (0..found.fault.at).find(|at| found.token(*at) == Some(Token::Returns)) else {
         return Vec::new();
@@ -162,7 +162,7 @@ fn outputs(found: &Found<'_, '_>) -> Vec<Ident> {
         .collect()
 }
 
-/// `finish when c`, `fragment when c`
+/// Recognises results and fragments without a name, or with `if` for `when`: `finish when c`, `fragment when c`.
 pub(super) fn nameless(found: &Found<'_, '_>) -> Option<Habit> {
     use Token::{Fail, Finish, Fragment, Ident, If, Let, When, Yield};
     let at = found.fault.at;
@@ -172,7 +172,7 @@ pub(super) fn nameless(found: &Found<'_, '_>) -> Option<Habit> {
     match (before, here) {
         (Ident, If) if matches!(second, Some(Finish | Yield | Fail)) => {
             let span = found.span_at(at);
-            let finding = habit("a result happens `when` its condition holds")
+            let finding = habit("the condition of a result follows `when`")
                 .at(span, "expected `when`")
                 .fix(Fix::sure("write `when`").replace(span, "when"));
             let mend = Mend::Tokens(vec![found.instead(at, &[When])]);
@@ -180,7 +180,7 @@ pub(super) fn nameless(found: &Found<'_, '_>) -> Option<Habit> {
         }
         (Finish | Yield | Fail, When | If) => {
             let word = found.written(at - 1);
-            let finding = nameless_finding(found, &format!("this `{word}` names no result"));
+            let finding = nameless_finding(found, &format!("this `{word}` has no result name"));
             let finding = finding.help(format!(
                 "tasks and successors branch on results by name: `{word} done when ...`"
             ));
@@ -191,7 +191,7 @@ pub(super) fn nameless(found: &Found<'_, '_>) -> Option<Habit> {
         }
         (Fragment, When | Let) => {
             let finding = nameless_finding(found, "this fragment has no name")
-                .help("what it computes is read by its name: `fragment Slow when c let y = ...; tel`, then `Slow.y`");
+                .help("its flows are read through its name: `fragment Slow when c let y = ...; tel`, then `Slow.y`");
             Some(Habit {
                 finding,
                 mend: Mend::Usual,
@@ -206,7 +206,7 @@ fn nameless_finding(found: &Found<'_, '_>, message: &str) -> Finding {
         .at(found.span_at(found.fault.at), "expected a name before this")
 }
 
-/// One past the end of a block of another language: its `end`, its last brace, or before the `tel` around it.
+/// Returns the index one past the last token of a foreign block: its `end`, its last brace, or the enclosing `tel`.
 pub(super) fn block_end(found: &Found<'_, '_>, at: usize) -> usize {
     let mut i = at;
     while let Some(token) = found.token(i) {
@@ -244,7 +244,7 @@ pub(super) fn block_end(found: &Found<'_, '_>, at: usize) -> usize {
     found.lexemes.len()
 }
 
-/// The names that equations in a stretch of statements seem to define.
+/// Returns the names that equations in a range of tokens seem to define, each once.
 pub(super) fn defined(found: &Found<'_, '_>, range: Range<usize>) -> Vec<Ident> {
     use Token::{Colon, Else, Eq, Ident as Word, LBrace, Let, RParen, Semi, Then};
     let begins = |at: usize| {
@@ -273,7 +273,7 @@ pub(super) fn defined(found: &Found<'_, '_>, range: Range<usize>) -> Vec<Ident> 
     names
 }
 
-/// The empty place behind another.
+/// Returns the empty span at the end of `span`.
 pub(super) fn behind(span: Span) -> Span {
     Span {
         start: span.end,
@@ -282,7 +282,7 @@ pub(super) fn behind(span: Span) -> Span {
 }
 
 impl Found<'_, '_> {
-    /// The name at a token.
+    /// Returns token `at` as an identifier.
     pub(super) fn ident(&self, at: usize) -> Ident {
         let lexeme = self.lexemes[at];
         self.cx.ident(lexeme.start, lexeme.end)

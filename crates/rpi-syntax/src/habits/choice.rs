@@ -1,4 +1,4 @@
-//! `if` as a statement, as C, Python and Structured Text write it.
+//! `if` statements of C, Python and Structured Text.
 
 use super::bodies::{block_end, defined};
 use super::{Habit, Mend, habit};
@@ -8,15 +8,15 @@ use rpi_diag::Fix;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-/// `if c then y = a; else y = b; end`
+/// Recognises an `if` statement: `if c then y = a; else y = b; end`.
 pub(super) fn choice(found: &Found<'_, '_>) -> Option<Habit> {
     let at = begin(found)?;
     let read = Reader { found, at }.choice();
     let end = read
         .as_ref()
         .map_or_else(|| block_end(found, at), |(_, end)| *end);
-    let finding = habit("an `if` is a value, not a statement")
-        .at(found.span_at(at), "an equation is expected here");
+    let finding = habit("`if` is an expression, not a statement")
+        .at(found.span_at(at), "expected an equation");
     let finding = match read.and_then(|(branches, _)| meant(found, at, &branches)) {
         Some(meant) => {
             let place = found.span_of(at..end);
@@ -27,7 +27,7 @@ pub(super) fn choice(found: &Found<'_, '_>) -> Option<Habit> {
             finding.fix(Fix::maybe(title).replace(place, meant))
         }
         None => finding.help(
-            "each flow has one equation, with a value for both cases: `y = if c then a else b;`",
+            "each flow has one equation, with a value for both branches: `y = if c then a else b;`",
         ),
     };
     found.cx.swallow_signs(found.span_of(at..end));
@@ -37,7 +37,7 @@ pub(super) fn choice(found: &Found<'_, '_>) -> Option<Habit> {
     })
 }
 
-/// Where the statement with the fault begins.
+/// Returns the index of the first token of the statement with the error.
 fn begin(found: &Found<'_, '_>) -> Option<usize> {
     let at = found.fault.at;
     if matches!(found.token(at), Some(Token::If | Token::When)) && found.expects_equation() {
@@ -55,29 +55,33 @@ fn is(found: &Found<'_, '_>, at: usize, words: &[&str]) -> bool {
     words.iter().any(|word| written.eq_ignore_ascii_case(word))
 }
 
-/// What holds under a condition, or otherwise.
+/// Branch of an `if` statement.
 struct Branch {
+    /// Token indices of the condition; `None` for the `else` branch.
     condition: Option<Range<usize>>,
-    /// Each name with its value.
+    /// Assigned names (token index) with the token indices of their values.
     values: Vec<(usize, Range<usize>)>,
 }
 
+/// Reader of an `if` statement; `at` is the index of the current token.
 struct Reader<'r, 'f, 't> {
     found: &'r Found<'f, 't>,
     at: usize,
 }
 
-/// How the equations of a branch are held together.
+/// Delimiters around the equations of a branch.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Style {
+    /// Braces, as in C.
     Braces,
+    /// Keywords or a colon, as in Structured Text and Python.
     Words,
-    /// One statement without either.
+    /// One statement without delimiters.
     Bare,
 }
 
 impl Reader<'_, '_, '_> {
-    /// The branches, and where the statement ends. [`None`] if anything in it is not understood.
+    /// Reads the branches and the index one past the statement. Returns [`None`] if any part is not recognised.
     fn choice(mut self) -> Option<(Vec<Branch>, usize)> {
         let mut branches = Vec::new();
         loop {
@@ -113,7 +117,7 @@ impl Reader<'_, '_, '_> {
         let start = self.at;
         let mut values = self.values(style)?;
         if style == Style::Words && !self.is_end() {
-            // Without an end there is one statement.
+            // Without a closing keyword, the branch is only its first statement.
             self.at = start;
             values = self.values(Style::Bare)?;
         }
@@ -202,7 +206,8 @@ impl Reader<'_, '_, '_> {
         }
     }
 
-    /// The `if` of `end if`: what begins another one is followed by its condition.
+    /// Returns whether the current `if` belongs to `end if`.
+    // An `if` that begins a new statement is followed by its condition on the same line.
     fn is_end_of_if(&self) -> bool {
         let lexemes = self.found.lexemes;
         let is_apart = |at: usize| match (lexemes.get(at), lexemes.get(at + 1)) {
@@ -222,10 +227,11 @@ impl Reader<'_, '_, '_> {
     }
 }
 
-/// So long is what a fix writes at most.
+/// Longest text of a fix, in bytes.
+// Each equation repeats all conditions, so the text can grow with the product of branches and flows.
 const MAX_TEXT: usize = 4_000;
 
-/// The equations that say the same: one for each flow, if every branch has each of them once.
+/// Returns the equivalent equations, one per flow, if every branch defines the same flows exactly once.
 fn meant(found: &Found<'_, '_>, at: usize, branches: &[Branch]) -> Option<String> {
     let (last, first) = (branches.last()?, branches.first()?);
     let by_name = |branch: &Branch| -> BTreeMap<&str, Range<usize>> {
@@ -276,7 +282,7 @@ fn meant(found: &Found<'_, '_>, at: usize, branches: &[Branch]) -> Option<String
 }
 
 impl Found<'_, '_> {
-    /// The text of a range of tokens, with the signs of this language.
+    /// Returns the source text of a range of tokens, with foreign operators replaced by those of RPI.
     fn meant_text(&self, range: Range<usize>) -> String {
         let mut text = String::new();
         for at in range.clone() {

@@ -1,4 +1,4 @@
-//! Declarations of other languages that are neither heads nor bodies: enums without their word, modules by paths.
+//! Enum types without `enum`, and modules named by a path or file name.
 
 use super::ports::behind;
 use super::{Habit, Mend, habit};
@@ -6,7 +6,7 @@ use crate::explain::Found;
 use crate::token::Token;
 use rpi_diag::Fix;
 
-/// `type Mode = { Off, On };`, `type Mode = (Off, On);`, `type Mode = Off | On;`
+/// Recognises an enum type without `enum`: `type Mode = { Off, On };`, `type Mode = Off | On;`.
 pub(super) fn enum_without_word(found: &Found<'_, '_>) -> Option<Habit> {
     use Token::{Bar, Comma, Enum, Eq, Ident, LBrace, LParen, RBrace, RParen, Semi, Type};
     let fault = found.fault.at;
@@ -39,7 +39,7 @@ pub(super) fn enum_without_word(found: &Found<'_, '_>) -> Option<Habit> {
         .collect();
     let meant = format!("enum {{ {} }}", names.join(", "));
     let place = found.span_of(eq + 1..end);
-    let finding = habit("a choice among names is an `enum`")
+    let finding = habit("an enumeration type is written with `enum`")
         .at(place, "expected a type")
         .fix(Fix::sure(format!("write `{meant}`")).replace(place, meant));
     let mut tokens = found.instead(eq + 1, &[Enum, LBrace]).1;
@@ -56,7 +56,7 @@ pub(super) fn enum_without_word(found: &Found<'_, '_>) -> Option<Habit> {
     })
 }
 
-/// `use std::math;`, `use "motion";`, `include <motion>;`
+/// Recognises modules named by a path or file: `use std::math;`, `use "motion";`, `include <motion>;`.
 pub(super) fn module(found: &Found<'_, '_>) -> Option<Habit> {
     let at = found.fault.at;
     let before = found.token_before()?;
@@ -67,9 +67,9 @@ pub(super) fn module(found: &Found<'_, '_>) -> Option<Habit> {
     }
     let last = written.rsplit("::").next().unwrap_or(written);
     let last = last.trim_matches('"').trim_end_matches(".rpi");
-    let finding = habit("a module is named by one word")
-        .at(found.span_at(at), "no name of a module")
-        .help("`use motion;` brings in `motion.rpi` beside this file, or of the standard library; `include \"file.lus\"` takes in a file");
+    let finding = habit("a module name is a single identifier")
+        .at(found.span_at(at), "not a module name")
+        .help("`use motion;` imports `motion.rpi` from this folder or the standard library; `include \"file.lus\"` includes a file");
     let is_word = !last.is_empty() && last.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
     let finding = match before == Token::Use && is_word {
         true => finding

@@ -1,4 +1,4 @@
-//! Ends of bodies, choices and state machines as others write them.
+//! Closing keywords of other languages, conditional expressions of Python, and automata in Lustre files.
 
 use super::operators::{choice_fix, operand};
 use super::{Habit, Mend, habit};
@@ -9,24 +9,24 @@ use crate::token::Token;
 use rpi_diag::{Code, Finding, Fix};
 use std::ops::Range;
 
-/// `let y = x; end`
+/// Recognises a body that is closed by `end` instead of `tel`: `let y = x; end`.
 pub(super) fn end_for_tel(found: &Found<'_, '_>) -> Option<Habit> {
     let (open, end) = ended_body(found).or_else(|| ended_state(found))?;
     let finding = habit("a body ends with `tel`")
         .at(
             found.span_at(end),
-            format!("`{}` closes no body", found.written(end)),
+            format!("`{}` does not close a body", found.written(end)),
         )
-        .also(found.span_at(open), "begins here")
+        .also(found.span_at(open), "the body begins here")
         .fix(Fix::sure("write `tel`").replace(found.span_at(end), "tel"));
     let mend = Mend::Tokens(vec![found.instead(end, &[Token::Tel])]);
     Some(Habit { finding, mend })
 }
 
-/// The `let` of a declaration's body and the `end` behind it.
+/// Returns the `let` of a declaration's body and the foreign `end` that closes it.
 fn ended_body(found: &Found<'_, '_>) -> Option<(usize, usize)> {
     let last = found.lexemes.len().checked_sub(1)?;
-    // Where the word is a name the fault is behind it.
+    // If the closing word is an identifier, the grammar rejects the token after it.
     let is_there = found.fault.at == last && found.expects(Token::Tel) || found.fault.at > last;
     let open = found.structure.open_blocks().next()?;
     let is_body = found.token(open) == Some(Token::Let)
@@ -35,7 +35,7 @@ fn ended_body(found: &Found<'_, '_>) -> Option<(usize, usize)> {
     (is_there && is_body && is_end(found.written(last))).then_some((open, last))
 }
 
-/// Words by which bodies end elsewhere.
+/// Returns whether a word closes a body in another language.
 fn is_end(word: &str) -> bool {
     const ENDS: [&str; 9] = [
         "end",
@@ -51,7 +51,9 @@ fn is_end(word: &str) -> bool {
     ENDS.iter().any(|end| word.eq_ignore_ascii_case(end))
 }
 
-/// The `let` of a state's body and an `end` behind it that is not that of the automaton: the state goes on, or another one does.
+/// Returns the `let` of a state's body and the `end` that closes it.
+///
+/// That `end` does not belong to the automaton: a transition, another state or the automaton's own `end` follows.
 fn ended_state(found: &Found<'_, '_>) -> Option<(usize, usize)> {
     use Token::{End, State, Tel, Unless, Until};
     let end = found.fault.at;
@@ -63,7 +65,7 @@ fn ended_state(found: &Found<'_, '_>) -> Option<(usize, usize)> {
     is_there.then_some((open, end))
 }
 
-/// `y = a if c else b`
+/// Recognises the conditional expression of Python: `y = a if c else b`.
 pub(super) fn choice_behind(found: &Found<'_, '_>) -> Option<Habit> {
     let at = found.fault.at;
     if found.token(at) != Some(Token::If) || !found.expects(Token::Plus) {
@@ -82,8 +84,8 @@ pub(super) fn choice_behind(found: &Found<'_, '_>) -> Option<Habit> {
     let [c, a, b] = values.clone().map(|range| found.text(range));
     let meant = format!("if {c} then {a} else {b}");
     let place = found.span_of(start..end);
-    let finding = habit("a choice begins with its condition: `if c then x else y`")
-        .at(found.span_at(at), "the value stands before it")
+    let finding = habit("a conditional expression is written `if c then x else y`")
+        .at(found.span_at(at), "the condition must come first")
         .fix(choice_fix(found, start..end, format!("write `{meant}`")).replace(place, meant));
     let [c, a, b] = values.map(|range| found.lexemes[range].to_vec());
     let word = |token| found.instead(at, &[token]).1;
@@ -95,12 +97,12 @@ pub(super) fn choice_behind(found: &Found<'_, '_>) -> Option<Habit> {
         word(Token::Else),
         b,
     ];
-    // Out of place for what is told of them later, but each still knows its own.
+    // The tokens are out of text order now, but each keeps its own location for later diagnostics.
     let mend = Mend::Tokens(vec![(start..end, parts.concat())]);
     Some(Habit { finding, mend })
 }
 
-/// `automaton initial state S ... end` in Lustre.
+/// Recognises an automaton in a Lustre file: `automaton initial state S ... end`.
 pub(super) fn automaton_in_lustre(found: &Found<'_, '_>) -> Option<Habit> {
     let at = found.fault.at.checked_sub(1)?;
     let begins = matches!(found.written(at + 1), "initial" | "state");
@@ -110,9 +112,9 @@ pub(super) fn automaton_in_lustre(found: &Found<'_, '_>) -> Option<Habit> {
     let mut after = (at..found.lexemes.len()).rev();
     let end = after.find(|at| found.written(*at) == "end");
     let end = end.map_or(found.lexemes.len() - 1, |end| end + 1);
-    let finding = Finding::new(Code::RPI0001, "an automaton is not of Lustre")
-        .at(found.span_at(at), "Lustre has none")
-        .help("in a file whose name ends in `.rpi` there are automata, and Lustre besides");
+    let finding = Finding::new(Code::RPI0001, "automata are not supported in Lustre files")
+        .at(found.span_at(at), "Lustre has no automata")
+        .help("rename the file to `.rpi`: it supports automata and the Lustre syntax");
     Some(Habit {
         finding,
         mend: Mend::Phrase(

@@ -1,4 +1,6 @@
-//! `var x: int := 0; let x = ...`: what elsewhere is the first value of a variable, and here would be a second equation.
+//! Initial values of local variables: `var x: int := 0; let x = ...`.
+//!
+//! In other languages this initialises the variable. In RPI it would be a second equation of `x`.
 
 use super::habit;
 use crate::context::Context;
@@ -8,7 +10,7 @@ use rpi_diag::{Finding, Fix};
 use std::collections::BTreeSet;
 use std::ops::Range;
 
-/// The tokens without such values, which are reported. [`None`] if there are none.
+/// Reports initial values of locals that also have an equation. Returns the tokens without these values, or [`None`].
 pub(crate) fn without_first_values(
     cx: &Context<'_>,
     lexemes: &[Lexeme],
@@ -32,7 +34,7 @@ pub(crate) fn without_first_values(
     (kept.len() < lexemes.len()).then_some(kept)
 }
 
-/// Each name with its `:= 0`, in text order.
+/// Returns each local's name with the token range of its `:= 0`, in text order.
 fn values(
     cx: &Context<'_>,
     lexemes: &[Lexeme],
@@ -55,7 +57,7 @@ fn values(
     values
 }
 
-/// The names that equations of a body define.
+/// Returns the names that the equations of a body define.
 fn defined<'t>(cx: &Context<'t>, body: &[Lexeme]) -> BTreeSet<&'t str> {
     use Token::{Eq, Ident, Let, Semi, Tel};
     let is_equation = |w: &&[Lexeme]| {
@@ -72,12 +74,12 @@ fn finding(cx: &Context<'_>, lexemes: &[Lexeme], name: usize, value: Range<usize
     let gap = cx.span(lexemes[value.start - 1].end, last.end);
     let name = written(cx, lexemes[name]);
     let first = cx.slice(lexemes[value.start + 1].start, last.end);
-    habit("a declaration gives a flow no first value")
-        .at(span, "its equation says what it is in every cycle")
+    habit("a declaration cannot initialise a flow")
+        .at(span, "its equation defines it in every cycle")
         .help(format!(
-            "`{name} = {first} -> ...;` is {first} in the first cycle only"
+            "`{name} = {first} -> ...;` is {first} in the first cycle"
         ))
-        .fix(Fix::maybe("delete the first value").replace(gap, ""))
+        .fix(Fix::maybe("delete the initial value").replace(gap, ""))
 }
 
 fn written<'t>(cx: &Context<'t>, lexeme: Lexeme) -> &'t str {

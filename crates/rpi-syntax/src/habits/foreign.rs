@@ -1,4 +1,4 @@
-//! Statements of other languages, each known by its first word: what stands for it here.
+//! Statements of other languages, recognised by their first word, with their RPI counterparts.
 
 use super::bodies::{block_end, defined};
 use super::{Habit, Mend, habit};
@@ -6,86 +6,93 @@ use crate::explain::Found;
 use crate::token::Token;
 use rpi_diag::Finding;
 
-/// How far a statement reaches.
+/// Extent of a foreign statement.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Reach {
-    /// To its `;`.
+    /// Up to its `;`.
     Phrase,
-    /// To the end of its block.
+    /// Up to the end of its block.
     Block,
-    /// To its `returns ...;`, as the blocks of SCADE do.
+    /// Up to its `returns ...;`, as for the blocks of SCADE.
     Returns,
 }
 
-/// A kind of statement.
+/// Kind of foreign statement.
 pub(super) struct Kind {
-    /// The words it begins with, in small letters.
+    /// First words of the statement, in lower case.
     words: &'static [&'static str],
+    /// Message of the diagnostic.
     message: &'static str,
+    /// Label at the first word.
     label: &'static str,
+    /// Help for a statement in a body of equations.
     help: &'static str,
-    /// The same among the steps of a task.
+    /// Help for a statement among the steps of a task.
     step: &'static str,
     reach: Reach,
 }
 
+/// Help about repeated steps of a task.
 const REPEATED: &str =
-    "a task repeats steps by `repeat 3 times let ... tel`, for ever by `repeat let ... tel`";
+    "a task repeats steps with `repeat 3 times let ... tel`, or forever with `repeat let ... tel`";
+/// Help about branches of a task.
 const BRANCHED: &str =
     "a task branches on results: `first: Look() on found then second | on fail then end;`";
-const PAUSED: &str = "a step takes the time of its command: `command Pause let finish over when time >= 2[s]; tel`, then `Pause();`";
+/// Help about waiting steps of a task.
+const PAUSED: &str = "a step lasts as long as its command: `command Pause let finish over when time >= 2[s]; tel`, then `Pause();`";
 
-/// Whatever is not special among steps.
+/// Help for all other statements among the steps of a task.
 const RUNS: &str = "the steps of a task run commands: `MoveTo(arm, p);`";
 
+/// Table of foreign statements. The first row with the word applies.
 const KINDS: &[Kind] = &[
     Kind {
         words: &[
             "for", "while", "loop", "foreach", "parfor", "repeat", "do", "forever",
         ],
         message: "there are no loops",
-        label: "every equation is computed once in each cycle",
-        help: "over the elements of an array work `map`, `fold` and `red`; what goes on from cycle to cycle reads its own past: `n = 0 -> pre n + 1`",
+        label: "every equation is evaluated once per cycle",
+        help: "use `map`, `fold` and `red` over the elements of an array; across cycles, read the previous value: `n = 0 -> pre n + 1`",
         step: REPEATED,
         reach: Reach::Block,
     },
     Kind {
         words: &["switch", "case", "select", "match", "inspect"],
-        message: "a choice among values is a value, not a statement",
-        label: "a word of another language",
+        message: "a choice among values is an expression, not a statement",
+        label: "keyword of another language",
         help: "each flow has one equation: `y = if x = 0 then a else if x = 1 then b else c;`",
         step: BRANCHED,
         reach: Reach::Block,
     },
     Kind {
         words: &["activate"],
-        message: "a choice of blocks is a value, or a fragment for each block",
-        label: "a word of another language",
-        help: "`z = if c then 1 else 2;`; what rests meanwhile stands in a fragment: `fragment A when c let z = 1; tel`, then `A.z ?? 2`",
+        message: "write a choice of blocks as a conditional expression, or as one fragment per block",
+        label: "keyword of another language",
+        help: "`z = if c then 1 else 2;`; for equations that are inactive at times, use a fragment: `fragment A when c let z = 1; tel`, then `A.z ?? 2`",
         step: BRANCHED,
         reach: Reach::Returns,
     },
     Kind {
         words: &["present"],
-        message: "a choice among signals is a value, or the states of an automaton",
-        label: "a word of another language",
-        help: "`y = if c then a else b;`; what rests meanwhile stands in a `state` of an `automaton`, or in a fragment",
+        message: "write a choice among signals as a conditional expression, or as states of an automaton",
+        label: "keyword of another language",
+        help: "`y = if c then a else b;`; for equations that are inactive at times, use a `state` of an `automaton`, or a fragment",
         step: BRANCHED,
         reach: Reach::Block,
     },
     Kind {
         words: &["reset", "every"],
-        message: "a node starts afresh by `(restart F every c)(x)`",
-        label: "a word of another language",
-        help: "equations by themselves start afresh in a fragment: `fragment A when true restart ...`, or by a choice: `n = if c then 0 else 0 -> pre n + 1`",
+        message: "a node is reset by `(restart F every c)(x)`",
+        label: "keyword of another language",
+        help: "equations are reset in a fragment: `fragment A when true restart ...`, or by a conditional: `n = if c then 0 else 0 -> pre n + 1`",
         step: REPEATED,
         reach: Reach::Block,
     },
     Kind {
         words: &["emit", "sustain", "notify", "broadcast"],
         message: "a signal is a Boolean flow with an equation",
-        label: "a word of another language",
-        help: "it is true where it happens: `s = c;`, in a state `s = true;`, in the others `s = false;`",
+        label: "keyword of another language",
+        help: "it is true when the signal is emitted: `s = c;`; in one state `s = true;`, in the others `s = false;`",
         step: RUNS,
         reach: Reach::Phrase,
     },
@@ -99,9 +106,9 @@ const KINDS: &[Kind] = &[
             "ensures",
             "invariant",
         ],
-        message: "a contract stands before the body",
-        label: "this stands among the equations",
-        help: "`con assume x > 0; noc let ... tel`; what holds in every cycle of the body: `assert x > 0;`",
+        message: "a contract is written before the body",
+        label: "contract clause among the equations",
+        help: "`con assume x > 0; noc let ... tel`; in the body, assert a condition of every cycle: `assert x > 0;`",
         step: RUNS,
         reach: Reach::Phrase,
     },
@@ -121,9 +128,9 @@ const KINDS: &[Kind] = &[
             "pause",
             "dwell",
         ],
-        message: "nothing waits within a cycle",
-        label: "every equation is computed in every cycle",
-        help: "what comes later is a condition: `finish done when time >= 2[s];`, `finish done when c;`; `use timers;` has `on_delay`",
+        message: "a cycle cannot wait",
+        label: "every equation is evaluated in every cycle",
+        help: "write a delay as a condition: `finish done when time >= 2[s];`, `finish done when c;`; module `timers` has `on_delay`",
         step: PAUSED,
         reach: Reach::Phrase,
     },
@@ -133,8 +140,8 @@ const KINDS: &[Kind] = &[
             "movel", "movec", "movep", "moveabsj", "move", "moveto", "movelin", "moveptp", "movs",
             "mov", "mvs",
         ],
-        message: "a motion is a fragment, whose pose goes to the arm",
-        label: "a word of another language",
+        message: "a motion is a fragment that computes the set-point of the arm",
+        label: "keyword of another language",
         help: "`use motion;`, then `way = Line<<to: p, speed: 250[mm/s]>>(from: arm.pose);` and `arm.tcp = way.pose;`",
         step: "a task runs commands: `MoveTo(arm, p);`; the command holds the motion: `way = Line<<to: p>>(from: arm.pose);`",
         reach: Reach::Phrase,
@@ -150,7 +157,7 @@ const KINDS: &[Kind] = &[
             "out",
         ],
         message: "an output is a port of a device, with one equation",
-        label: "a word of another language",
+        label: "keyword of another language",
         help: "`use io;`, then in a command with `io: DigitalIo`: `io.set = [c, false, false, false, false, false, false, false];`",
         step: RUNS,
         reach: Reach::Phrase,
@@ -160,26 +167,26 @@ const KINDS: &[Kind] = &[
             "print", "printf", "println", "echo", "disp", "display", "tpwrite", "write", "log",
             "msg", "cout",
         ],
-        message: "a node shows nothing by itself",
-        label: "a word of another language",
-        help: "who runs it sees its out-ports, and what a command exports: `export x;`",
+        message: "a node cannot print",
+        label: "keyword of another language",
+        help: "its out-ports are visible while it runs, and so are flows that a command exports: `export x;`",
         step: RUNS,
         reach: Reach::Phrase,
     },
     Kind {
         words: &["throw", "raise", "panic", "error"],
         message: "there are no exceptions",
-        label: "a word of another language",
-        help: "what goes wrong is a flow: `wrong = x < 0;`, or a result of a command: `fail wrong when x < 0;`",
-        step: "what goes wrong is a result: `first: Look() on found then end | on fail then retreat;`",
+        label: "keyword of another language",
+        help: "report an error as a flow: `wrong = x < 0;`, or as a result of a command: `fail wrong when x < 0;`",
+        step: "branch on the result of a step: `first: Look() on found then end | on fail then retreat;`",
         reach: Reach::Phrase,
     },
     Kind {
         words: &["try", "catch", "except", "finally"],
         message: "there are no exceptions",
-        label: "a word of another language",
-        help: "what goes wrong is a flow: `wrong = x < 0;`, or a result of a command: `fail wrong when x < 0;`",
-        step: "what goes wrong is a result: `first: Look() on found then end | on fail then retreat;`",
+        label: "keyword of another language",
+        help: "report an error as a flow: `wrong = x < 0;`, or as a result of a command: `fail wrong when x < 0;`",
+        step: "branch on the result of a step: `first: Look() on found then end | on fail then retreat;`",
         reach: Reach::Block,
     },
     Kind {
@@ -188,17 +195,17 @@ const KINDS: &[Kind] = &[
             "halt", "stop", "null",
         ],
         message: "there are no jumps: every equation holds in every cycle",
-        label: "a word of another language",
-        help: "modes of operation are the states of an `automaton`; a command ends by `finish done when c;`",
+        label: "keyword of another language",
+        help: "operating modes are the states of an `automaton`; a command ends with `finish done when c;`",
         step: BRANCHED,
         reach: Reach::Phrase,
     },
     Kind {
         words: &["call", "perform", "execute", "run", "start"],
         message: "a call needs no word",
-        label: "a word of another language",
-        help: "what it gives is the value of an equation: `y = F(x);`",
-        step: "the name of the command and its arguments are enough: `MoveTo(arm, p);`",
+        label: "keyword of another language",
+        help: "use its result in an equation: `y = F(x);`",
+        step: "write only the name of the command and its arguments: `MoveTo(arm, p);`",
         reach: Reach::Phrase,
     },
     Kind {
@@ -224,19 +231,19 @@ const KINDS: &[Kind] = &[
             "def",
             "new",
         ],
-        message: "a flow is introduced by its equation",
-        label: "a word of another language",
-        help: "`n = 0 -> pre n + 1;` keeps its value by `pre`; its type may be said before `let`: `var n: int;`",
+        message: "a flow is declared by its equation",
+        label: "keyword of another language",
+        help: "`n = 0 -> pre n + 1;` keeps its value with `pre`; its type may be declared before `let`: `var n: int;`",
         step: RUNS,
         reach: Reach::Phrase,
     },
 ];
 
-/// `while (c) { ... }`, `wait for c;`, `emit s;`
+/// Recognises a statement of the table: `while (c) { ... }`, `wait for c;`, `emit s;`.
 pub(super) fn statement(found: &Found<'_, '_>) -> Option<Habit> {
     let at = begin(found)?;
     let kind = kind_of(found.written(at))?;
-    // A task begins by `start`.
+    // In a task, `start` is an RPI step.
     if found.in_task() && found.token(at) == Some(Token::Start) {
         return None;
     }
@@ -255,7 +262,7 @@ pub(super) fn statement(found: &Found<'_, '_>) -> Option<Habit> {
 
 fn finding(found: &Found<'_, '_>, kind: &Kind, at: usize) -> Finding {
     let (label, help) = match found.in_task() {
-        true => ("a word of another language", kind.step),
+        true => ("keyword of another language", kind.step),
         false => (kind.label, kind.help),
     };
     habit(kind.message).at(found.span_at(at), label).help(help)
@@ -266,7 +273,7 @@ fn kind_of(word: &str) -> Option<&'static Kind> {
     KINDS.iter().find(|kind| kind.words.contains(&&*word))
 }
 
-/// The first word of the statement with the fault, if it could be one of another language.
+/// Returns the first word of the statement with the error, if it may begin a foreign statement.
 fn begin(found: &Found<'_, '_>) -> Option<usize> {
     use Token::{Colon, Comma, Dot, End, Eq, Let, Semi, Tel};
     let fault = found.fault.at;
@@ -294,7 +301,7 @@ fn begin(found: &Found<'_, '_>) -> Option<usize> {
     places.into_iter().find(|at| is_first(at) && is_kind(at))
 }
 
-/// Whether a line holds nothing but the word, and no `;`.
+/// Returns whether the next token after token `at` is on another line, as after a statement without `;`.
 fn stands_alone(found: &Found<'_, '_>, at: usize) -> bool {
     let (Some(this), Some(next)) = (found.lexemes.get(at), found.lexemes.get(at + 1)) else {
         return false;
@@ -302,7 +309,7 @@ fn stands_alone(found: &Found<'_, '_>, at: usize) -> bool {
     found.cx.slice(this.end, next.start).contains('\n')
 }
 
-/// One past the last token of a statement.
+/// Returns the index one past the last token of a statement that begins at token `at`.
 pub(super) fn end(found: &Found<'_, '_>, reach: Reach, at: usize) -> usize {
     let phrase = || {
         let end = found.structure.phrase(at).end.max(at + 1);
@@ -325,7 +332,7 @@ pub(super) fn end(found: &Found<'_, '_>, reach: Reach, at: usize) -> usize {
     }
 }
 
-/// The end of a block, by its braces, its `let ... tel`, or its last word.
+/// Returns the index one past a block, which ends with its braces, its `let ... tel` or its closing keyword.
 fn nested_end(found: &Found<'_, '_>, at: usize) -> usize {
     let (mut i, mut has_block) = (at, false);
     loop {
@@ -355,7 +362,7 @@ fn nested_end(found: &Found<'_, '_>, at: usize) -> usize {
     }
 }
 
-/// Whether a statement goes on behind one of its blocks.
+/// Returns whether token `at` continues a statement after one of its blocks, such as `else`.
 fn goes_on(found: &Found<'_, '_>, at: usize) -> bool {
     let words = [
         "else", "elsif", "elif", "catch", "except", "finally", "while", "until", "case", "default",
@@ -366,10 +373,10 @@ fn goes_on(found: &Found<'_, '_>, at: usize) -> bool {
         .any(|word| found.written(at).eq_ignore_ascii_case(word))
 }
 
-/// The names that a statement seems to define.
+/// Returns the names that a statement seems to define.
 fn targets(found: &Found<'_, '_>, at: usize, end: usize) -> Vec<crate::ast::Ident> {
     let mut names = defined(found, at..end);
-    // `reset n = ...`: behind the word itself.
+    // `reset n = ...` defines the name after its keyword.
     if [found.token(at + 1), found.token(at + 2)] == [Some(Token::Ident), Some(Token::Eq)] {
         names.push(found.ident(at + 1));
     }
@@ -377,13 +384,13 @@ fn targets(found: &Found<'_, '_>, at: usize, end: usize) -> Vec<crate::ast::Iden
 }
 
 impl Found<'_, '_> {
-    /// Whether the fault is among the steps of a task.
+    /// Returns whether the syntax error is in a task.
     pub(super) fn in_task(&self) -> bool {
         self.token(0) == Some(Token::Task)
     }
 }
 
-/// `if Look() then Move(); end` among the steps of a task.
+/// Recognises an `if` among the steps of a task: `if Look() then Move(); end`.
 pub(super) fn step_by_condition(found: &Found<'_, '_>) -> Option<Habit> {
     let at = found.fault.at;
     if found.token(at) != Some(Token::If) || !found.in_task() || !found.expects(Token::Repeat) {
@@ -392,7 +399,7 @@ pub(super) fn step_by_condition(found: &Found<'_, '_>) -> Option<Habit> {
     let end = nested_end(found, at);
     found.cx.swallow_signs(found.span_of(at..end));
     let finding = habit("a task branches on the results of its steps")
-        .at(found.span_at(at), "a step is expected here")
+        .at(found.span_at(at), "expected a step")
         .help(BRANCHED);
     Some(Habit {
         finding,
@@ -400,7 +407,7 @@ pub(super) fn step_by_condition(found: &Found<'_, '_>) -> Option<Habit> {
     })
 }
 
-/// `Rest;` among the steps of a task.
+/// Recognises a step without its argument list: `Rest;`.
 pub(super) fn step_without_arguments(found: &Found<'_, '_>) -> Option<Habit> {
     let at = found.fault.at;
     let ends = matches!(found.token(at), Some(Token::Semi | Token::On | Token::Tel));
@@ -409,8 +416,8 @@ pub(super) fn step_without_arguments(found: &Found<'_, '_>) -> Option<Habit> {
         return None;
     }
     let name = found.span_at(at - 1);
-    let finding = habit("a step runs a command with its arguments in parentheses")
-        .at(name, "nothing is given to it")
+    let finding = habit("a step needs parentheses after the command name")
+        .at(name, "expected `()` after this")
         .fix(rpi_diag::Fix::sure("insert `()`").insert_after(name, "()"));
     let open = found.before_token(at, Token::LParen);
     let close = found.before_token(at, Token::RParen);
@@ -418,20 +425,20 @@ pub(super) fn step_without_arguments(found: &Found<'_, '_>) -> Option<Habit> {
     Some(Habit { finding, mend })
 }
 
-/// `repeat 3 let Rest(); tel`
+/// Recognises a repetition without `times`: `repeat 3 let Rest(); tel`.
 pub(super) fn repeat_without_times(found: &Found<'_, '_>) -> Option<Habit> {
     let at = found.fault.at;
     if found.token(at) != Some(Token::Let) || !found.expects(Token::Times) || at == 0 {
         return None;
     }
-    let finding = habit("the number of rounds is followed by `times`")
+    let finding = habit("the number of repetitions is followed by `times`")
         .at(found.span_at(at), "expected `times` before this")
         .fix(rpi_diag::Fix::sure("insert `times`").insert_after(found.span_at(at - 1), " times"));
     let mend = Mend::Tokens(vec![found.before_token(at, Token::Times)]);
     Some(Habit { finding, mend })
 }
 
-/// `3 times let Rest(); tel`
+/// Recognises a repetition without `repeat`: `3 times let Rest(); tel`.
 pub(super) fn times_without_repeat(found: &Found<'_, '_>) -> Option<Habit> {
     let at = found.fault.at;
     let is_count = matches!(found.token(at), Some(Token::Int | Token::Ident));
@@ -439,7 +446,7 @@ pub(super) fn times_without_repeat(found: &Found<'_, '_>) -> Option<Habit> {
     if !is_count || !is_round || !found.expects(Token::Repeat) {
         return None;
     }
-    let finding = habit("rounds begin with `repeat`")
+    let finding = habit("a repetition begins with `repeat`")
         .at(found.span_of(at..at + 2), "expected `repeat` before this")
         .fix(rpi_diag::Fix::sure("insert `repeat`").insert_before(found.span_at(at), "repeat "));
     let word = found.before_token(at, Token::Repeat);
@@ -450,7 +457,7 @@ pub(super) fn times_without_repeat(found: &Found<'_, '_>) -> Option<Habit> {
     })
 }
 
-/// `Rest(), Rest();`, `Rest() then Rest();`
+/// Recognises steps that are separated by another token than `;`: `Rest(), Rest();`, `Rest() then Rest();`.
 pub(super) fn steps_in_row(found: &Found<'_, '_>) -> Option<Habit> {
     let at = found.fault.at;
     let is_sign = matches!(
@@ -464,7 +471,7 @@ pub(super) fn steps_in_row(found: &Found<'_, '_>) -> Option<Habit> {
     let gap = found
         .cx
         .span(found.lexemes[at - 1].end, found.lexemes[at].end);
-    let finding = habit("one step follows another behind `;`")
+    let finding = habit("steps are separated by `;`")
         .at(found.span_at(at), "expected `;`")
         .fix(rpi_diag::Fix::sure("write `;`").replace(gap, ";"));
     Some(Habit {
@@ -473,14 +480,14 @@ pub(super) fn steps_in_row(found: &Found<'_, '_>) -> Option<Habit> {
     })
 }
 
-/// `r = Rest();` among the steps of a task.
+/// Recognises an assignment of a step's result: `r = Rest();`.
 pub(super) fn step_with_value(found: &Found<'_, '_>) -> Option<Habit> {
     let at = found.fault.at;
     let is_step = found.in_task() && found.expects(Token::LParen) && found.expects(Token::Colon);
     if found.token(at) != Some(Token::Eq) || !is_step {
         return None;
     }
-    let finding = habit("a step has no value, but results")
+    let finding = habit("a step has results, not a value")
         .at(found.span_at(at), "a task has no equations")
         .help(BRANCHED);
     Some(Habit {
@@ -489,7 +496,7 @@ pub(super) fn step_with_value(found: &Found<'_, '_>) -> Option<Habit> {
     })
 }
 
-/// `done when c;` among the equations of a command.
+/// Recognises a result of a command without its keyword: `done when c;`.
 pub(super) fn result_without_word(found: &Found<'_, '_>) -> Option<Habit> {
     let at = found.fault.at;
     let name = at

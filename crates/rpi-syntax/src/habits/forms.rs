@@ -1,4 +1,4 @@
-//! Values in forms of other languages: choices by `case`, calls of methods, functions without a name.
+//! Expressions of other languages: `case` expressions, method calls, lambda expressions.
 
 use super::operators::own_if;
 use super::words::{begins_operand, stands_for_operand};
@@ -8,10 +8,10 @@ use crate::explain::Found;
 use crate::token::Token;
 use rpi_diag::Fix;
 
-/// The words of a choice among values.
+/// Keywords of `case` expressions in other languages, in lower case.
 const CASES: [&str; 6] = ["case", "match", "switch", "select", "cond", "when"];
 
-/// `y = case x of 1: a; ...`, `y = match x { 1 => a, ... }`
+/// Recognises a `case` expression: `y = case x of 1: a; ...`, `y = match x { 1 => a, ... }`.
 pub(super) fn cases(found: &Found<'_, '_>) -> Option<Habit> {
     let fault = found.fault.at;
     let is_case = |at: &usize| {
@@ -21,7 +21,7 @@ pub(super) fn cases(found: &Found<'_, '_>) -> Option<Habit> {
             && stands_for_operand(found, *at)
     };
     let at = (fault.saturating_sub(4)..fault).rev().find(is_case)?;
-    // A flow may have such a name.
+    // A flow may have such a name, so an error further away has another cause.
     if at + 1 < fault
         && found.token(at + 1) != Some(Token::When)
         && found.token(at + 1) != Some(Token::LParen)
@@ -32,9 +32,9 @@ pub(super) fn cases(found: &Found<'_, '_>) -> Option<Habit> {
     let equation = found.structure.phrase(at);
     let end = cases_end(found, at, equation.end);
     found.cx.swallow_signs(found.span_of(at..end));
-    let finding = habit("a choice among values is written `if x = 1 then a else b`")
-        .at(found.span_at(at), format!("`{word}` is of another language"))
-        .help("several: `y = if x = 1 then a else if x = 2 then b else c;`, with the last one for all others");
+    let finding = habit("a conditional expression is written `if x = 1 then a else b`")
+        .at(found.span_at(at), format!("`{word}` is from another language"))
+        .help("for several cases: `y = if x = 1 then a else if x = 2 then b else c;`; the last `else` covers all other values");
     let names = equation_targets(found, equation.start, at);
     Some(Habit {
         finding,
@@ -42,7 +42,7 @@ pub(super) fn cases(found: &Found<'_, '_>) -> Option<Habit> {
     })
 }
 
-/// Where the alternatives end, although there are `;` between them.
+/// Returns the index one past the cases of a `case` expression, which may be separated by `;`.
 fn cases_end(found: &Found<'_, '_>, at: usize, end: usize) -> usize {
     use Token::{Arrow, Bar, Colon, Else, End, Implies, Semi};
     let mut end = end.max(at + 1);
@@ -64,7 +64,7 @@ fn cases_end(found: &Found<'_, '_>, at: usize, end: usize) -> usize {
     end
 }
 
-/// The names before the `=` of an equation.
+/// Returns the names before the `=` of an equation.
 fn equation_targets(found: &Found<'_, '_>, start: usize, end: usize) -> Vec<Ident> {
     let Some(sign) = (start..end).find(|at| found.token(*at) == Some(Token::Eq)) else {
         return Vec::new();
@@ -73,20 +73,20 @@ fn equation_targets(found: &Found<'_, '_>, start: usize, end: usize) -> Vec<Iden
     names.map(|at| found.ident(at)).collect()
 }
 
-/// `y = lambda a: a + 1`
+/// Recognises a lambda expression: `y = lambda a: a + 1`.
 pub(super) fn lambda(found: &Found<'_, '_>) -> Option<Habit> {
     let at = found.fault.at.checked_sub(1)?;
     let is_word = matches!(found.written(at), "lambda" | "fn" | "func" | "fun" | "def");
     if !is_word || !stands_for_operand(found, at) || found.token(at) != Some(Token::Ident) {
         return None;
     }
-    let finding = habit("a function is declared by itself, with a name")
-        .at(found.span_at(at), "a word of another language")
+    let finding = habit("a function must be declared with a name")
+        .at(found.span_at(at), "keyword of another language")
         .help("`function f (a: int) returns (b: int) let b = a + 1; tel`");
     Some(usual(finding))
 }
 
-/// A finding that leaves the phrase out.
+/// Combines a diagnostic with the usual repair, which removes the phrase.
 fn usual(finding: rpi_diag::Finding) -> Habit {
     Habit {
         finding,
@@ -94,7 +94,7 @@ fn usual(finding: rpi_diag::Finding) -> Habit {
     }
 }
 
-/// `y = if(c, a, b)`
+/// Recognises `if` as a function: `y = if(c, a, b)`.
 pub(super) fn called_if(found: &Found<'_, '_>) -> Option<Habit> {
     let own = own_if(found).filter(|_| found.expects(Token::Then))?;
     let open = own + 1;
@@ -119,8 +119,8 @@ pub(super) fn called_if(found: &Found<'_, '_>) -> Option<Habit> {
         found.text(b)
     );
     let place = found.span_of(own..close + 1);
-    let finding = habit("a choice is written `if c then x else y`")
-        .at(found.span_at(own), "is not called")
+    let finding = habit("a conditional expression is written `if c then x else y`")
+        .at(found.span_at(own), "`if` is not a function")
         .fix(Fix::sure(format!("write `{meant}`")).replace(place, meant));
     let mend = Mend::Tokens(vec![
         found.instead(own, &[Token::LParen, Token::If]),
@@ -131,7 +131,7 @@ pub(super) fn called_if(found: &Found<'_, '_>) -> Option<Habit> {
     Some(Habit { finding, mend })
 }
 
-/// The commas directly within a bracket.
+/// Returns the commas and semicolons directly within a pair of brackets.
 fn commas(found: &Found<'_, '_>, open: usize, close: usize) -> Vec<usize> {
     let is = |i: &usize| {
         matches!(found.token(*i), Some(Token::Comma | Token::Semi))
@@ -140,7 +140,7 @@ fn commas(found: &Found<'_, '_>, open: usize, close: usize) -> Vec<usize> {
     (open + 1..close).filter(is).collect()
 }
 
-/// `merge c x y`, `merge(c, x, y)`
+/// Recognises a `merge` without cases: `merge c x y`, `merge(c, x, y)`.
 pub(super) fn merge(found: &Found<'_, '_>) -> Option<Habit> {
     let fault = found.fault.at;
     let near = fault.saturating_sub(4)..fault;
@@ -152,13 +152,13 @@ pub(super) fn merge(found: &Found<'_, '_>) -> Option<Habit> {
     if !is_called && !lacks_cases {
         return None;
     }
-    let finding = habit("`merge` has a case in parentheses for each value of its clock")
-        .at(found.span_at(fault), "no case is written like this")
-        .help("`merge c (true -> a) (false -> b)`, where `a` is there when `c` and `b` when `not c`; otherwise it is `if c then a else b`");
+    let finding = habit("`merge` needs one case in parentheses for each value of its clock")
+        .at(found.span_at(fault), "expected a case such as `(true -> a)`")
+        .help("`merge c (true -> a) (false -> b)`, where `a` is present when `c` and `b` when `not c`; for flows that are always present: `if c then a else b`");
     Some(usual(finding))
 }
 
-/// `y = x when (c and d)`
+/// Recognises a clock that is not a name: `y = x when (c and d)`.
 pub(super) fn clock(found: &Found<'_, '_>) -> Option<Habit> {
     let fault = found.fault.at;
     let when = (0..fault)
@@ -181,16 +181,18 @@ pub(super) fn clock(found: &Found<'_, '_>) -> Option<Habit> {
     let condition = found.text(open + 1..close);
     let is_short = condition.len() <= 40 && !condition.contains('\n');
     let help = match is_short {
-        true => format!("give the condition a name first: `on = {condition};`, then `x when on`"),
-        false => "give the condition a name first: `on = ...;`, then `x when on`".to_owned(),
+        true => {
+            format!("define a flow for the condition first: `on = {condition};`, then `x when on`")
+        }
+        false => "define a flow for the condition first: `on = ...;`, then `x when on`".to_owned(),
     };
-    let finding = habit("a clock is the name of a flow")
+    let finding = habit("a clock must be the name of a flow")
         .at(found.span_of(open..close + 1), "a condition without a name")
         .help(help);
     Some(usual(finding))
 }
 
-/// `y = (F every c)(x)`, `y = F(x) every c`, `y = restart F(x) every c`
+/// Recognises a misplaced `every` or `restart`: `y = (F every c)(x)`, `y = F(x) every c`, `y = restart F(x) every c`.
 pub(super) fn every(found: &Found<'_, '_>) -> Option<Habit> {
     let at = found.fault.at;
     let word = found.written(at);
@@ -198,10 +200,10 @@ pub(super) fn every(found: &Found<'_, '_>) -> Option<Habit> {
     if word != "every" && !begins || found.expects_equation() {
         return None;
     }
-    let finding = habit("a node that starts afresh is written `(restart F every c)(x)`")
+    let finding = habit("a node is reset by `(restart F every c)(x)`")
         .at(
             found.span_at(at),
-            "a condition stands beside the node, not beside its call",
+            "the condition belongs to the node, not to its call",
         )
         .help("`(activate F every c initial default 0)(x)` runs it only when `c` holds");
     let finding = match restarted(found, at) {
@@ -213,7 +215,7 @@ pub(super) fn every(found: &Found<'_, '_>) -> Option<Habit> {
     Some(usual(finding))
 }
 
-/// The right form, where all parts are there and plain.
+/// Returns the span of a reset call and its RPI form, if all its parts are present and simple.
 fn restarted(found: &Found<'_, '_>, at: usize) -> Option<(rpi_diag::Span, String)> {
     let every = (at..at + 100).find(|at| found.written(*at) == "every")?;
     let close = every.checked_sub(1)?;
@@ -238,12 +240,12 @@ fn restarted(found: &Found<'_, '_>, at: usize) -> Option<(rpi_diag::Span, String
     Some((found.span_of(start..end), meant))
 }
 
-/// Modules of other languages whose functions are there without them.
+/// Modules of other languages whose functions RPI provides without a module prefix.
 const MODULES: [&str; 9] = [
     "math", "np", "numpy", "std", "cmath", "system", "util", "self", "this",
 ];
 
-/// `y = x.f(c);`, `math.sin(x)`, `arm.move(p);`
+/// Recognises calls of methods and of module functions: `y = x.f(c);`, `math.sin(x)`, `arm.move(p);`.
 pub(super) fn method(found: &Found<'_, '_>) -> Option<Habit> {
     use Token::{Dot, Ident, LParen};
     let open = found.fault.at;
@@ -255,13 +257,13 @@ pub(super) fn method(found: &Found<'_, '_>) -> Option<Habit> {
     let (of, name) = (found.written(base), found.written(base + 2));
     let place = found.span_of(base..open);
     if MODULES.iter().any(|module| of.eq_ignore_ascii_case(module)) {
-        let finding = habit("what a module declares is called by its name alone")
-            .at(place, format!("here it is `{name}(...)`"))
+        let finding = habit("functions of a module are called without the module name")
+            .at(place, format!("write `{name}(...)`"))
             .fix(Fix::maybe(format!("write `{name}`")).replace(place, name));
         let mend = Mend::Tokens(vec![(base..base + 2, Vec::new())]);
         return Some(Habit { finding, mend });
     }
-    let finding = habit("nothing is called on a value").at(place, "a call of another language");
+    let finding = habit("values have no methods").at(place, "method call of another language");
     let moves = ["mov", "lin", "ptp", "go", "drive"];
     let help = match moves.iter().any(|word| name.to_ascii_lowercase().starts_with(word)) {
         true => "a motion is a fragment: `way = Line<<to: p>>(from: arm.pose);`, then `arm.tcp = way.pose;`".to_owned(),
@@ -270,7 +272,7 @@ pub(super) fn method(found: &Found<'_, '_>) -> Option<Habit> {
     Some(usual(finding.help(help)))
 }
 
-/// `y = f x c;`
+/// Recognises a call without parentheses: `y = f x c;`.
 pub(super) fn applied(found: &Found<'_, '_>) -> Option<Habit> {
     let at = found.fault.at;
     let callee = at.checked_sub(1)?;
@@ -291,8 +293,8 @@ pub(super) fn applied(found: &Found<'_, '_>) -> Option<Habit> {
         .find(|at| !simple(at))
         .unwrap_or(at);
     let name = found.written(callee);
-    let finding = habit("the arguments of a call stand in parentheses")
-        .at(found.span_at(at), format!("expected `(` behind `{name}`"));
+    let finding = habit("the arguments of a call are written in parentheses")
+        .at(found.span_at(at), format!("expected `(` after `{name}`"));
     let ends = matches!(
         found.token(end),
         Some(Token::Semi | Token::RParen | Token::Comma | Token::Then | Token::Else)
@@ -317,7 +319,7 @@ pub(super) fn applied(found: &Found<'_, '_>) -> Option<Habit> {
     })
 }
 
-/// `y = {1: a, 2: b}[x];`
+/// Recognises a dictionary literal: `y = {1: a, 2: b}[x];`.
 pub(super) fn dictionary(found: &Found<'_, '_>) -> Option<Habit> {
     let at = found.fault.at;
     let open = at
@@ -333,25 +335,25 @@ pub(super) fn dictionary(found: &Found<'_, '_>) -> Option<Habit> {
     if found.token(at) == Some(Token::Ident) {
         return None;
     }
-    let finding = habit("a choice among values is written `if x = 1 then a else b`")
-        .at(found.span_at(open), "braces hold the fields of a struct")
-        .help("several: `y = if x = 1 then a else if x = 2 then b else c;`, with the last one for all others");
+    let finding = habit("a conditional expression is written `if x = 1 then a else b`")
+        .at(found.span_at(open), "braces enclose the fields of a struct")
+        .help("for several cases: `y = if x = 1 then a else if x = 2 then b else c;`; the last `else` covers all other values");
     Some(usual(finding))
 }
 
-/// `z = x unless c;`
+/// Recognises a conditional expression with `unless`: `z = x unless c;`.
 pub(super) fn unless(found: &Found<'_, '_>) -> Option<Habit> {
     let at = found.fault.at;
     if found.written(at) != "unless" || !found.expects(Token::Plus) || found.expects(Token::Then) {
         return None;
     }
-    let finding = habit("a choice is written `if c then x else y`")
-        .at(found.span_at(at), "the condition stands first")
-        .help("`y = if c then pre y else x;` keeps the value of the cycle before");
+    let finding = habit("a conditional expression is written `if c then x else y`")
+        .at(found.span_at(at), "the condition must come first")
+        .help("`y = if c then pre y else x;` keeps the value of the previous cycle");
     Some(usual(finding))
 }
 
-/// `f[x, y]`, `a[1, 2]`
+/// Recognises several indices in one pair of brackets: `f[x, y]`, `a[1, 2]`.
 pub(super) fn several_indices(found: &Found<'_, '_>) -> Option<Habit> {
     let at = found.fault.at;
     let open = found.structure.parent(at)?;
@@ -363,15 +365,15 @@ pub(super) fn several_indices(found: &Found<'_, '_>) -> Option<Habit> {
         return None;
     }
     let name = found.written(base);
-    let finding = habit("an index is one value")
-        .at(found.span_at(at), "nothing follows the index")
+    let finding = habit("an index is a single value")
+        .at(found.span_at(at), "expected `]` after the index")
         .help(format!(
-            "an element of an element is `{name}[0][1]`; a call is written `{name}(x, y)`"
+            "for nested arrays write `{name}[0][1]`; a call is written `{name}(x, y)`"
         ));
     Some(usual(finding))
 }
 
-/// `y = call f(x);`, `y = new f(x);`
+/// Recognises a keyword before a call: `y = call f(x);`, `y = new f(x);`.
 pub(super) fn called_by_word(found: &Found<'_, '_>) -> Option<Habit> {
     let fault = found.fault.at;
     let at = fault.checked_sub(1)?;
@@ -388,7 +390,7 @@ pub(super) fn called_by_word(found: &Found<'_, '_>) -> Option<Habit> {
         .cx
         .span(found.lexemes[at].start, found.lexemes[fault].start);
     let finding = habit("a call needs no word")
-        .at(found.span_at(at), "a word of another language")
+        .at(found.span_at(at), "keyword of another language")
         .fix(Fix::sure(format!("delete `{}`", found.written(at))).replace(place, ""));
     let mend = Mend::Tokens(vec![(at..fault, Vec::new())]);
     Some(Habit { finding, mend })

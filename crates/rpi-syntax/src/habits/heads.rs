@@ -1,4 +1,4 @@
-//! Habits in the heads of declarations.
+//! Errors in the headers of declarations: `returns`, body delimiters, separators, types of ports.
 
 use super::bodies::behind;
 use super::{Habit, Mend, habit};
@@ -7,7 +7,7 @@ use crate::lexer::Lexeme;
 use crate::token::Token;
 use rpi_diag::{Code, Finding, Fix};
 
-/// `node f (x: real) -> (y: real)` and `node f (x: real) (y: real)`
+/// Recognises out-ports without `returns`: `node f (x: real) -> (y: real)`, `node f (x: real) (y: real)`.
 pub(super) fn returns(found: &Found<'_, '_>) -> Option<Habit> {
     let at = found.fault.at;
     let finding = || habit("the out-ports follow `returns`");
@@ -18,9 +18,7 @@ pub(super) fn returns(found: &Found<'_, '_>) -> Option<Habit> {
         Token::Arrow | Token::Implies => {
             let span = found.span_at(at);
             let fix = Fix::sure("write `returns`").replace(span, "returns");
-            let finding = finding()
-                .at(span, "`->` gives a flow its first value")
-                .fix(fix);
+            let finding = finding().at(span, "`->` initialises a flow").fix(fix);
             let mend = Mend::Tokens(vec![found.instead(at, &[Token::Returns])]);
             Some(Habit { finding, mend })
         }
@@ -37,7 +35,7 @@ pub(super) fn returns(found: &Found<'_, '_>) -> Option<Habit> {
     }
 }
 
-/// `node f (x: real) returns (y: real) { y = x; }`
+/// Recognises a body in braces: `node f (x: real) returns (y: real) { y = x; }`.
 pub(super) fn braces(found: &Found<'_, '_>) -> Option<Habit> {
     let at = found.fault.at;
     if found.token(at) != Some(Token::LBrace) || !found.expects(Token::Let) {
@@ -47,15 +45,18 @@ pub(super) fn braces(found: &Found<'_, '_>) -> Option<Habit> {
     let fix = Fix::sure("write `let` and `tel`")
         .replace(found.span_at(at), "let")
         .replace(found.span_at(close), "tel");
-    let finding = habit("a body stands between `let` and `tel`")
-        .at(found.span_at(at), "braces hold fields and values")
-        .also(found.span_at(close), "ends here")
+    let finding = habit("a body is written between `let` and `tel`")
+        .at(
+            found.span_at(at),
+            "braces enclose the fields of a struct or the values of an enum",
+        )
+        .also(found.span_at(close), "the body ends here")
         .fix(fix);
     let mend = found.brackets(at, close, [Token::Let, Token::Tel]);
     Some(Habit { finding, mend })
 }
 
-/// `node f (x: real) returns (y: real) y = x; tel`
+/// Recognises a body without `let`: `node f (x: real) returns (y: real) y = x; tel`.
 pub(super) fn no_let(found: &Found<'_, '_>) -> Option<Habit> {
     let at = found.fault.at;
     let begins_equation =
@@ -73,17 +74,17 @@ pub(super) fn no_let(found: &Found<'_, '_>) -> Option<Habit> {
     let finding = Finding::new(Code::RPI0001, "this body has no `let`")
         .at(
             found.span_at(at),
-            "an equation stands between `let` and `tel`",
+            "equations are written between `let` and `tel`",
         )
         .fix(Fix::sure("insert `let`").insert_after(before, "\nlet"));
     let mend = Mend::Tokens(vec![found.before_token(at, Token::Let)]);
     Some(Habit { finding, mend })
 }
 
-/// `node f (x: real) returns (y: real) y = x;`
+/// Reports a body without `let` and `tel`: `node f (x: real) returns (y: real) y = x;`.
 fn no_body(found: &Found<'_, '_>, at: usize) -> Habit {
     let (before, last) = (found.span_at(at - 1), found.lexemes.len());
-    let finding = habit("a body stands between `let` and `tel`")
+    let finding = habit("a body is written between `let` and `tel`")
         .at(found.span_at(at), "expected `let` before this")
         .fix(
             Fix::sure("insert `let` and `tel`")
@@ -97,7 +98,7 @@ fn no_body(found: &Found<'_, '_>, at: usize) -> Habit {
     Habit { finding, mend }
 }
 
-/// `var z: real; y = x; tel`
+/// Recognises a body without `let` after local declarations: `var z: real; y = x; tel`.
 pub(super) fn no_let_after_locals(found: &Found<'_, '_>) -> Option<Habit> {
     use Token::{Colon, Eq, Ident, Semi, Tel, Var};
     let name = found.fault.at.checked_sub(1)?;
@@ -116,17 +117,17 @@ pub(super) fn no_let_after_locals(found: &Found<'_, '_>) -> Option<Habit> {
     let finding = Finding::new(Code::RPI0001, "this body has no `let`")
         .at(
             found.span_at(name),
-            "the first equation: an equation stands between `let` and `tel`",
+            "the first equation; equations are written between `let` and `tel`",
         )
         .fix(Fix::sure("insert `let`").insert_after(found.span_at(name - 1), "\nlet"));
     let mend = Mend::Tokens(vec![found.before_token(name, Token::Let)]);
     Some(Habit { finding, mend })
 }
 
-/// `begin y = x; end`
+/// Recognises a body between keywords of other languages: `begin y = x; end`.
 pub(super) fn begin_end(found: &Found<'_, '_>) -> Option<Habit> {
     let fault = found.fault.at;
-    // Behind local declarations it is taken for the next name.
+    // After local declarations, the grammar takes the word for the next name and rejects the token after it.
     let at = match found.expects(Token::Colon) {
         true => fault.checked_sub(1)?,
         false => fault,
@@ -139,9 +140,9 @@ pub(super) fn begin_end(found: &Found<'_, '_>) -> Option<Habit> {
         return None;
     }
     let end = end_of(found, at).filter(|end| found.token(*end) != Some(Token::Tel));
-    let finding = habit("a body stands between `let` and `tel`").at(
+    let finding = habit("a body is written between `let` and `tel`").at(
         found.span_at(at),
-        format!("`{}` is no word of the language", found.written(at)),
+        format!("`{}` is not a keyword", found.written(at)),
     );
     let fix = Fix::sure("write `let` and `tel`").replace(found.span_at(at), "let");
     let mut tokens = vec![found.instead(at, &[Token::Let])];
@@ -149,7 +150,9 @@ pub(super) fn begin_end(found: &Found<'_, '_>) -> Option<Habit> {
         Some(end) => {
             tokens.push(found.instead(end, &[Token::Tel]));
             let fix = fix.replace(found.span_at(end), "tel");
-            finding.also(found.span_at(end), "ends here").fix(fix)
+            finding
+                .also(found.span_at(end), "the body ends here")
+                .fix(fix)
         }
         None => finding.fix(fix),
     };
@@ -157,7 +160,7 @@ pub(super) fn begin_end(found: &Found<'_, '_>) -> Option<Habit> {
     Some(Habit { finding, mend })
 }
 
-/// The `end` or `tel` of a body that begins with `begin`; what is open within has its own.
+/// Returns the `end` or `tel` that closes the body opened at token `begin`, skipping nested blocks.
 fn end_of(found: &Found<'_, '_>, begin: usize) -> Option<usize> {
     let mut open = 0;
     (begin + 1..found.lexemes.len()).find(|at| {
@@ -171,7 +174,7 @@ fn end_of(found: &Found<'_, '_>, begin: usize) -> Option<usize> {
     })
 }
 
-/// `(x: real, b: bool)`, `{x = 1.0, y = 2.0}`
+/// Recognises commas between declarations or fields: `(x: real, b: bool)`, `{x = 1.0, y = 2.0}`.
 pub(super) fn comma(found: &Found<'_, '_>) -> Option<Habit> {
     let at = found.fault.at;
     let names = found.token(at + 1) == Some(Token::Ident);
@@ -188,17 +191,17 @@ pub(super) fn comma(found: &Found<'_, '_>) -> Option<Habit> {
     if found.token(at) != Some(Token::Comma) || !found.expects(Token::Semi) || !names || !defined {
         return None;
     }
-    let finding = habit(format!("{what} are kept apart by `;`"))
+    let finding = habit(format!("{what} are separated by `;`"))
         .at(
             found.span_at(at),
-            "`,` stands between names of one type: `x, y: real`",
+            "`,` separates names of the same type: `x, y: real`",
         )
         .fix(Fix::sure("write `;`").replace(found.span_at(at), ";"));
     let mend = Mend::Tokens(vec![found.instead(at, &[Token::Semi])]);
     Some(Habit { finding, mend })
 }
 
-/// `(x: real y: int)`
+/// Recognises declarations without a separator: `(x: real y: int)`.
 pub(super) fn no_semi(found: &Found<'_, '_>) -> Option<Habit> {
     use Token::{Colon, Comma, Ident, Plus, RParen, Semi};
     let at = found.fault.at;
@@ -211,7 +214,7 @@ pub(super) fn no_semi(found: &Found<'_, '_>) -> Option<Habit> {
     })
 }
 
-/// `node f (x: real) returns (y: real let y = x; tel`
+/// Recognises ports without the closing parenthesis: `node f (x: real) returns (y: real let y = x; tel`.
 pub(super) fn open_ports(found: &Found<'_, '_>) -> Option<Habit> {
     use Token::{Con, LParen, Let, RParen, Returns, Var};
     let at = found.fault.at;
@@ -232,7 +235,7 @@ pub(super) fn open_ports(found: &Found<'_, '_>) -> Option<Habit> {
     })
 }
 
-/// `(x real)`
+/// Recognises a declaration without `:`: `(x real)`.
 pub(super) fn no_colon(found: &Found<'_, '_>) -> Option<Habit> {
     use Token::{BoolType, Enum, Ident, IntType, RealType, Struct};
     let at = found.fault.at;
@@ -240,7 +243,7 @@ pub(super) fn no_colon(found: &Found<'_, '_>) -> Option<Habit> {
     let is_upper = |at: usize| found.written(at).starts_with(char::is_uppercase);
     let is_type = match found.token(at)? {
         BoolType | IntType | RealType | Enum | Struct => true,
-        // Types are mostly written with capitals, flows are not.
+        // Heuristic: names of types usually begin with a capital letter, names of flows do not.
         Ident => is_upper(at) && !is_upper(at - 1) && found.token(at + 1) != Some(Token::Colon),
         _ => false,
     };
@@ -254,7 +257,7 @@ pub(super) fn no_colon(found: &Found<'_, '_>) -> Option<Habit> {
     Some(Habit { finding, mend })
 }
 
-/// `(real x)`
+/// Recognises a declaration with the type before the name: `(real x)`.
 pub(super) fn type_first(found: &Found<'_, '_>) -> Option<Habit> {
     use Token::{BoolType, Comma, Ident, IntType, RParen, RealType, Semi};
     let at = found.fault.at;
@@ -271,8 +274,8 @@ pub(super) fn type_first(found: &Found<'_, '_>) -> Option<Habit> {
     let (written, name) = (found.written(ty), found.written(ty + 1));
     let span = found.span_of(ty..ty + 2);
     let meant = format!("{name}: {written}");
-    let finding = habit(format!("the name goes before its type: `{meant}`"))
-        .at(span, "the type stands first")
+    let finding = habit(format!("the name is written before its type: `{meant}`"))
+        .at(span, "the type comes first here")
         .fix(Fix::sure(format!("write `{meant}`")).replace(span, meant));
     let token = found.lexemes[ty].token;
     let mend = match known(token) {
@@ -282,15 +285,18 @@ pub(super) fn type_first(found: &Found<'_, '_>) -> Option<Habit> {
     Some(Habit { finding, mend })
 }
 
-/// Whether two names in a row are a type and what is declared of it. Types are mostly written with capitals, flows are not; where
-/// a value may stand a comma is missing, or an operator.
+/// Returns whether two names in a row are a type and the name declared with it.
+///
+/// Names of types usually begin with a capital letter, names of flows do not. Where the grammar accepts a value, the
+/// cause is a missing comma or operator instead.
 fn is_declared_by_type(found: &Found<'_, '_>, at: usize) -> bool {
     let is_upper = |at: usize| found.written(at).starts_with(char::is_uppercase);
     let is_declaration = found.expects(Token::Colon) && !found.expects(Token::Plus);
     is_declaration && is_upper(at - 1) && !is_upper(at)
 }
 
-/// `x: real` for `real x`, at the places that the text has.
+/// Returns the tokens `x: real` for `real x`.
+// The new tokens lie at the end of the old ones: the grammar needs locations in text order.
 fn swapped(found: &Found<'_, '_>, ty: usize) -> Vec<Lexeme> {
     let name = found.lexemes[ty + 1];
     let end = behind(found.span_at(ty + 1)).start;
@@ -302,14 +308,14 @@ fn swapped(found: &Found<'_, '_>, ty: usize) -> Vec<Lexeme> {
     vec![name, at(Token::Colon), at(found.lexemes[ty].token)]
 }
 
-/// `int[3]`
+/// Recognises an array type with its size in brackets: `int[3]`.
 pub(super) fn size_in_brackets(found: &Found<'_, '_>) -> Option<Habit> {
     use Token::{BoolType, Hat, Ident, Int, IntType, LBracket, RBracket};
     let at = found.fault.at;
     let shape = [found.token(at), found.token(at + 1), found.token(at + 2)];
     let is_size = match shape {
         [Some(LBracket), Some(Int), Some(RBracket)] => true,
-        // Behind `real` it would be a unit.
+        // After `real`, brackets contain a unit.
         [Some(LBracket), Some(Ident), Some(RBracket)] => {
             let is_type = matches!(found.token_before(), Some(BoolType | IntType));
             is_type && found.cx.seeming.declares(found.written(at + 1))
@@ -321,8 +327,8 @@ pub(super) fn size_in_brackets(found: &Found<'_, '_>) -> Option<Habit> {
     }
     let meant = format!("^{}", found.written(at + 1));
     let span = found.span_of(at..at + 3);
-    let finding = habit("the size of an array stands behind `^`")
-        .at(span, "brackets hold an index, or the unit of a `real`")
+    let finding = habit("the size of an array follows `^`")
+        .at(span, "brackets enclose an index, or the unit of a `real`")
         .fix(size_fix(found, at + 3, format!("write `{meant}`")).replace(span, meant));
     let size = found.lexemes[at + 1];
     let mend = Mend::Tokens(vec![
@@ -332,7 +338,7 @@ pub(super) fn size_in_brackets(found: &Found<'_, '_>) -> Option<Habit> {
     Some(Habit { finding, mend })
 }
 
-/// A fix of one size: of two, `int[3][2]`, the order changes, too.
+/// Creates a fix for the size of an array: not a sure one for two sizes, `int[3][2]`, whose order changes too.
 fn size_fix(found: &Found<'_, '_>, next: usize, title: String) -> Fix {
     match found.token(next) {
         Some(Token::LBracket) => Fix::maybe(title),
@@ -340,7 +346,7 @@ fn size_fix(found: &Found<'_, '_>, next: usize, title: String) -> Fix {
     }
 }
 
-/// `array[3] of int`, `ARRAY [0..2] OF real[m]`
+/// Recognises array types of Pascal and IEC 61131-3: `array[3] of int`, `ARRAY [0..2] OF real[m]`.
 pub(super) fn array_of(found: &Found<'_, '_>) -> Option<Habit> {
     use Token::{BoolType, Hat, Ident, IntType, LBracket, Path, RealType};
     let at = found.fault.at;
@@ -363,11 +369,11 @@ pub(super) fn array_of(found: &Found<'_, '_>) -> Option<Habit> {
         _ => element,
     };
     let place = found.span_of(word..last + 1);
-    let finding = habit("the size of an array stands behind the type of its elements")
-        .at(place, "`array ... of` is of another language");
+    let finding = habit("the size of an array follows the type of its elements")
+        .at(place, "`array ... of` is from another language");
     let Some(size) = size_between(found, open + 1..close) else {
         return Some(Habit {
-            finding: finding.help("three integers are `int^3`, counted from 0"),
+            finding: finding.help("an array of three integers is `int^3`; indices start at 0"),
             mend: Mend::Usual,
         });
     };
@@ -376,7 +382,7 @@ pub(super) fn array_of(found: &Found<'_, '_>) -> Option<Habit> {
     let mut tokens = found.lexemes[element..=last].to_vec();
     tokens.extend(found.instead(word, &[Hat]).1);
     tokens.push(found.lexemes[close - 1]);
-    // What `0..2` says is not written as a number anywhere.
+    // The size of `0..2` is not a token of the text, so no token can stand for it.
     let mend = match close - open {
         2 => Mend::Tokens(vec![(word..last + 1, tokens)]),
         _ => Mend::Usual,
@@ -387,7 +393,7 @@ pub(super) fn array_of(found: &Found<'_, '_>) -> Option<Habit> {
     })
 }
 
-/// `3`, `n`, and 3 for `0..2`.
+/// Returns the size of an array written as `3`, `n` or `0..2` (which is 3).
 fn size_between(found: &Found<'_, '_>, range: std::ops::Range<usize>) -> Option<String> {
     use Token::{DotDot, Ident, Int};
     let tokens: Vec<Token> = range.clone().filter_map(|at| found.token(at)).collect();
@@ -401,7 +407,7 @@ fn size_between(found: &Found<'_, '_>, range: std::ops::Range<usize>) -> Option<
     }
 }
 
-/// `enum { A; B }`
+/// Recognises an enum with `;` between its values: `enum { A; B }`.
 pub(super) fn enum_by_semi(found: &Found<'_, '_>) -> Option<Habit> {
     use Token::{Comma, Enum, LBrace, Semi};
     let at = found.fault.at;
@@ -422,17 +428,14 @@ pub(super) fn enum_by_semi(found: &Found<'_, '_>) -> Option<Habit> {
             false => found.instead(at, &[Comma]),
         });
     }
-    let finding = habit("the values of an enum are kept apart by `,`")
-        .at(
-            found.span_at(at),
-            "`;` stands between the fields of a struct",
-        )
+    let finding = habit("the values of an enum are separated by `,`")
+        .at(found.span_at(at), "`;` separates the fields of a struct")
         .fix(fix);
     let mend = Mend::Tokens(edits);
     Some(Habit { finding, mend })
 }
 
-/// `int[m]`
+/// Recognises an integer type with a unit: `int[m]`.
 pub(super) fn unit_of_int(found: &Found<'_, '_>) -> Option<Habit> {
     let at = found.fault.at;
     if found.token(at) != Some(Token::LBracket) || found.token_before() != Some(Token::IntType) {
@@ -440,8 +443,11 @@ pub(super) fn unit_of_int(found: &Found<'_, '_>) -> Option<Habit> {
     }
     let close = found.structure.partner(at)?;
     let span = found.span_at(at - 1);
-    let finding = Finding::new(Code::RPI0001, "an `int` has no unit")
-        .at(found.span_of(at..close + 1), "only a `real` has one")
+    let finding = Finding::new(Code::RPI0001, "an `int` cannot have a unit")
+        .at(
+            found.span_of(at..close + 1),
+            "only a `real` can have a unit",
+        )
         .also(span, "declared as an integer")
         .fix(Fix::maybe("make it a `real`").replace(span, "real"));
     let mend = Mend::Tokens(vec![found.instead(at - 1, &[Token::RealType])]);

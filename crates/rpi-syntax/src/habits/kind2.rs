@@ -1,6 +1,7 @@
-//! What Kind 2 writes and a control core can not run: named, so that nobody looks for a slip of the pen.
+//! Constructs of Kind 2 that a control core cannot execute and the grammar does not accept.
 //!
-//! What is read and only not run is told by the type checker, with its types; here is what the grammar does not know.
+//! A specific message keeps users from looking for a typing error. The type checker reports the constructs of Kind 2
+//! that parse but cannot be executed.
 
 use super::{Habit, Mend};
 use crate::Mode;
@@ -10,7 +11,7 @@ use crate::token::Token;
 use rpi_diag::{Code, Finding, Span};
 use std::ops::Range;
 
-/// `{1, 2}`, `map[]@<int, bool>`
+/// Recognises set and map literals: `{1, 2}`, `map[]@<int, bool>`.
 pub(super) fn container(found: &Found<'_, '_>) -> Option<Habit> {
     let at = found.fault.at.checked_sub(1)?;
     let is_map = at > 0 && found.written(at - 1) == "map";
@@ -23,17 +24,17 @@ pub(super) fn container(found: &Found<'_, '_>) -> Option<Habit> {
     without_phrase(found, &format!("a {name}"), found.span_of(first..last + 1))
 }
 
-/// `check reachable x > 3`
+/// Recognises a reachability query: `check reachable x > 3`.
 pub(super) fn reachable(found: &Found<'_, '_>) -> Option<Habit> {
     let at = found.fault.at.checked_sub(1)?;
     let follows_check = at > 0 && found.written(at - 1) == "check";
     if !follows_check || found.written(at) != "reachable" {
         return None;
     }
-    without_phrase(found, "a question of reachability", found.span_at(at))
+    without_phrase(found, "a reachability query", found.span_at(at))
 }
 
-/// `function rec f (n: int)`
+/// Recognises a recursive function: `function rec f (n: int)`.
 pub(super) fn recursive(found: &Found<'_, '_>) -> Option<Habit> {
     let at = found.fault.at.checked_sub(1)?;
     let follows = at > 0 && matches!(found.token(at - 1), Some(Token::Function | Token::Node));
@@ -41,14 +42,14 @@ pub(super) fn recursive(found: &Found<'_, '_>) -> Option<Habit> {
         return None;
     }
     let finding = refused(found, "a recursive function", found.span_at(at))?
-        .help("go on from cycle to cycle: `n = 0 -> pre n + 1`; or over the elements of an array: `fold`, `red`");
+        .help("compute across cycles: `n = 0 -> pre n + 1`; or over the elements of an array: `fold`, `red`");
     Some(Habit {
         finding,
         mend: Mend::Usual,
     })
 }
 
-/// Leaves out the phrase that needs a construct.
+/// Reports an unsupported construct at `span` and removes the phrase that contains it.
 fn without_phrase(found: &Found<'_, '_>, construct: &str, span: Span) -> Option<Habit> {
     let finding = refused(found, construct, span)?;
     let phrase = found.structure.phrase(found.fault.at);
@@ -59,7 +60,7 @@ fn without_phrase(found: &Found<'_, '_>, construct: &str, span: Span) -> Option<
     })
 }
 
-/// The names before the `=` of an equation.
+/// Returns the names before the `=` of an equation.
 fn targets(found: &Found<'_, '_>, phrase: Range<usize>) -> Vec<Ident> {
     let is_head = |at: &usize| {
         matches!(
@@ -75,10 +76,11 @@ fn targets(found: &Found<'_, '_>, phrase: Range<usize>) -> Vec<Ident> {
         .collect()
 }
 
+/// Creates the diagnostic of an unsupported construct; `None` unless the file is a Lustre file.
 fn refused(found: &Found<'_, '_>, construct: &str, span: Span) -> Option<Finding> {
     let finding = Finding::new(
         Code::RPI0001,
-        format!("{construct} of Kind 2 can not be run here"),
+        format!("{construct} of Kind 2 cannot be executed"),
     );
-    (found.cx.mode == Mode::Lustre).then(|| finding.at(span, "not read"))
+    (found.cx.mode == Mode::Lustre).then(|| finding.at(span, "not supported"))
 }

@@ -1,4 +1,4 @@
-//! Brackets of other languages: `{1, 2}`, `[y, z] = f(x)`, `f<<x>>`, `0..3`, and texts as comments.
+//! Brackets and ranges of other languages: `{1, 2}`, `[y, z] = f(x)`, `f<<x>>`, `0..3`; string literals as comments.
 
 use super::words::stands_for_operand;
 use super::{Habit, Mend, habit};
@@ -7,7 +7,7 @@ use crate::explain::Found;
 use crate::token::Token;
 use rpi_diag::Fix;
 
-/// `a = {1, 2, 3};`
+/// Recognises an array literal in braces: `a = {1, 2, 3};`.
 pub(super) fn braces(found: &Found<'_, '_>) -> Option<Habit> {
     use Token::{False, Ident, Int, LBrace, LBracket, Minus, RBracket, Real, True};
     let at = found.fault.at;
@@ -24,15 +24,15 @@ pub(super) fn braces(found: &Found<'_, '_>) -> Option<Habit> {
     let fix = Fix::sure("write `[ ]`")
         .replace(found.span_at(open), "[")
         .replace(found.span_at(close), "]");
-    let finding = habit("the elements of an array stand in brackets")
-        .at(found.span_at(open), "braces hold the fields of a struct")
-        .also(found.span_at(close), "ends here")
+    let finding = habit("the elements of an array are written in brackets")
+        .at(found.span_at(open), "braces enclose the fields of a struct")
+        .also(found.span_at(close), "the array ends here")
         .fix(fix);
     let mend = found.brackets(open, close, [LBracket, RBracket]);
     Some(Habit { finding, mend })
 }
 
-/// Whether nothing in braces is a field.
+/// Returns whether the braces contain no field, only values.
 fn is_list(found: &Found<'_, '_>, open: usize, close: usize) -> bool {
     let is_field = |at: usize| {
         matches!(
@@ -43,7 +43,7 @@ fn is_list(found: &Found<'_, '_>, open: usize, close: usize) -> bool {
     !(open + 1..close).any(is_field)
 }
 
-/// `[y, z] = f(x);`
+/// Recognises left sides in brackets: `[y, z] = f(x);`.
 pub(super) fn targets(found: &Found<'_, '_>) -> Option<Habit> {
     use Token::{Eq, LBracket, LParen, RParen};
     let at = found.fault.at;
@@ -52,10 +52,10 @@ pub(super) fn targets(found: &Found<'_, '_>) -> Option<Habit> {
     if !is_target || found.token(close + 1) != Some(Eq) {
         return None;
     }
-    let finding = habit("several flows of one equation stand in parentheses")
+    let finding = habit("several flows on the left of an equation are written in parentheses")
         .at(
             found.span_of(at..close + 1),
-            "brackets hold the elements of an array",
+            "brackets enclose the elements of an array",
         )
         .fix(
             Fix::sure("write `( )`")
@@ -66,7 +66,7 @@ pub(super) fn targets(found: &Found<'_, '_>) -> Option<Habit> {
     Some(Habit { finding, mend })
 }
 
-/// `f<<x, c>>;`
+/// Recognises a call with its arguments in `<< >>`: `f<<x, c>>;`.
 pub(super) fn only_static(found: &Found<'_, '_>) -> Option<Habit> {
     let at = found.fault.at;
     let close = at
@@ -76,7 +76,7 @@ pub(super) fn only_static(found: &Found<'_, '_>) -> Option<Habit> {
     let callee = open
         .checked_sub(1)
         .filter(|at| found.token(*at) == Some(Token::Ident))?;
-    // What stands apart, or in two statements, are signs of shifts.
+    // With a gap before `<<`, or across two statements, `<<` and `>>` are shift operators.
     let is_apart = found.lexemes[callee].end != found.lexemes[open].start;
     let is_broken = (open..close).any(|at| found.token(at) == Some(Token::Semi));
     if !found.expects(Token::LParen)
@@ -89,20 +89,20 @@ pub(super) fn only_static(found: &Found<'_, '_>) -> Option<Habit> {
     }
     let name = found.written(callee);
     let meant = format!("{name}({})", found.text(open + 1..close));
-    let finding = habit("the arguments of a call stand in `( )`")
+    let finding = habit("the arguments of a call are written in `( )`")
         .at(
             found.span_of(open..close + 1),
-            "in `<< >>` stands what is fixed when the program is loaded",
+            "`<< >>` encloses static arguments, which are fixed at load time",
         )
         .help(format!(
-            "`{name}(...)`, or `{name}<<...>>(...)` if it has parameters"
+            "`{name}(...)`, or `{name}<<...>>(...)` if it has static parameters"
         ))
         .fix(Fix::maybe(format!("write `{meant}`")).replace(found.span_of(callee..at), meant));
     let mend = found.brackets(open, close, [Token::LParen, Token::RParen]);
     Some(Habit { finding, mend })
 }
 
-/// `x in 0..3`, `for x in ...` within a value
+/// Recognises a range test within an expression: `x in 0..3`.
 pub(super) fn range(found: &Found<'_, '_>) -> Option<Habit> {
     let at = found.fault.at;
     if found.token(at) != Some(Token::DotDot) {
@@ -114,7 +114,7 @@ pub(super) fn range(found: &Found<'_, '_>) -> Option<Habit> {
         .find(|at| found.written(*at) == "in")?;
     let value = word.checked_sub(1).map_or("x", |at| found.written(at));
     let finding = habit("a range is written as two comparisons")
-        .at(found.span_of(word..at + 1), "a word of another language")
+        .at(found.span_of(word..at + 1), "keyword of another language")
         .help(format!("`0 <= {value} and {value} < 3`"));
     Some(Habit {
         finding,
@@ -122,13 +122,13 @@ pub(super) fn range(found: &Found<'_, '_>) -> Option<Habit> {
     })
 }
 
-/// `[f(a) for a in xs]`
+/// Recognises a list comprehension: `[f(a) for a in xs]`.
 pub(super) fn comprehension(found: &Found<'_, '_>) -> Option<Habit> {
     let at = found.fault.at;
     if found.written(at) != "for" || !found.expects(Token::Plus) {
         return None;
     }
-    let finding = habit("an array of such elements is made by `map`")
+    let finding = habit("an array is computed element by element with `map`")
         .at(found.span_at(at), "there are no loops")
         .help(
             "`map<<f, 3>>(a)` applies `f` to each of 3 elements; `red<<+, 3>>(0, a)` is their sum",
@@ -139,7 +139,7 @@ pub(super) fn comprehension(found: &Found<'_, '_>) -> Option<Habit> {
     })
 }
 
-/// `"""what this does"""` among equations
+/// Recognises string literals as comments among equations: `"""what this does"""`.
 pub(super) fn text(found: &Found<'_, '_>) -> Option<Habit> {
     let at = found.fault.at;
     let is_text = |at: usize| found.token(at) == Some(Token::Str);
@@ -148,8 +148,11 @@ pub(super) fn text(found: &Found<'_, '_>) -> Option<Habit> {
     }
     let end = (at..).find(|at| !is_text(*at)).unwrap_or(at + 1);
     let finding = habit("comments begin with `--`")
-        .at(found.span_of(at..end), "a text is no equation")
-        .help("what documents a declaration stands before it, behind `--|`");
+        .at(
+            found.span_of(at..end),
+            "a string literal is not an equation",
+        )
+        .help("write the documentation of a declaration before it, after `--|`");
     let semi = usize::from(found.token(end) == Some(Token::Semi));
     let mend = Mend::Tokens(vec![(at..end + semi, Vec::new())]);
     Some(Habit { finding, mend })

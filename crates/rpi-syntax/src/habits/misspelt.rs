@@ -1,11 +1,11 @@
-//! Words of the language that lack a letter, have one too many or a wrong one.
+//! Misspelt keywords.
 
 use super::{Habit, Mend};
 use crate::explain::Found;
 use crate::token::Token;
 use rpi_diag::{Code, Finding, Fix};
 
-/// Words by which statements begin.
+/// Keywords that begin statements.
 const STATEMENTS: &[Token] = &[
     Token::Assert,
     Token::Automaton,
@@ -17,21 +17,21 @@ const STATEMENTS: &[Token] = &[
     Token::Yield,
 ];
 
-/// Operators: `nand`, `xnor` and `unwhen` are not misspelt, but others.
+/// Operators written as words. A similar word, such as `nand` or `xnor`, may be another operator, not a misspelling.
 const OPERATORS: &[&str] = &[
     "and", "or", "xor", "nor", "not", "mod", "div", "when", "fby", "pre", "last", "current",
 ];
 
-/// Shorter words resemble too much.
+/// Shortest word that is compared, in bytes. Shorter ones resemble too many words.
 const SHORTEST: usize = 3;
 
-/// Longer ones are hardly units.
+/// Longest word after a number that is taken for a unit, in bytes.
 const LONGEST_UNIT: usize = 3;
 
-/// `(x: int) retuns (y: int)`
+/// Recognises a misspelt keyword: `(x: int) retuns (y: int)`.
 pub(super) fn word(found: &Found<'_, '_>) -> Option<Habit> {
     let at = found.fault.at;
-    // Behind a number a short word is a unit, unless it resembles how a choice goes on.
+    // After a number, a short word is a unit, unless it resembles `then` or `else`.
     let goes_on = |word: &str| matches!(word, "then" | "else");
     let is_unit = matches!(found.token_before(), Some(Token::Int | Token::Real))
         && found.written(at).len() <= LONGEST_UNIT
@@ -48,7 +48,7 @@ pub(super) fn word(found: &Found<'_, '_>) -> Option<Habit> {
     meant(found, at, &found.fault.expected, fix)
 }
 
-/// Whether no other word resembles what is written as much, neither one that fits nor a name.
+/// Returns whether the nearest keyword is unambiguous: no other accepted keyword is similar, and no name is equal.
 fn is_only_one(found: &Found<'_, '_>, at: usize, words: &[Token]) -> bool {
     let meant = nearest(found, at, words);
     let others: Vec<Token> = words
@@ -60,14 +60,14 @@ fn is_only_one(found: &Found<'_, '_>, at: usize, words: &[Token]) -> bool {
     nearest(found, at, &others).is_none() && !(0..found.lexemes.len()).any(occurs)
 }
 
-/// `finsh done when c;`, where the word was taken for the name of a flow
+/// Recognises a misspelt keyword that the grammar took for the name of a flow: `finsh done when c;`.
 pub(super) fn statement(found: &Found<'_, '_>) -> Option<Habit> {
     let at = taken_for_a_flow(found)?;
     let is_long = found.written(at).len() >= SHORTEST;
     is_long.then(|| meant(found, at, STATEMENTS, Fix::maybe))?
 }
 
-/// `let y = x; tl`, where the word was taken for the name of a flow
+/// Recognises a misspelt `tel` that the grammar took for the name of a flow: `let y = x; tl`.
 pub(super) fn tel(found: &Found<'_, '_>) -> Option<Habit> {
     let at = taken_for_a_flow(found)?;
     found.structure.open_let()?;
@@ -78,7 +78,7 @@ pub(super) fn tel(found: &Found<'_, '_>) -> Option<Habit> {
     meant(found, at, &[Token::Tel], Fix::maybe)
 }
 
-/// The first word of a statement, behind which the fault is: a name where only `=` was missing.
+/// Returns the name before the rejected token, if it is the first token of a statement and `=` was expected after it.
 fn taken_for_a_flow(found: &Found<'_, '_>) -> Option<usize> {
     let at = found.fault.at.checked_sub(1)?;
     let begins = at.checked_sub(1).and_then(|before| found.token(before));
@@ -90,7 +90,7 @@ fn taken_for_a_flow(found: &Found<'_, '_>) -> Option<usize> {
     (is_first && is_name).then_some(at)
 }
 
-/// The word among these that is nearest to the one that is written.
+/// Reports that token `at` resembles one of `words`, and replaces it by the nearest one.
 fn meant(
     found: &Found<'_, '_>,
     at: usize,
@@ -101,12 +101,12 @@ fn meant(
     let meant = nearest(found, at, words)?;
     let token = Token::of_spelling(&meant)?;
     let span = found.span_at(at);
-    let message = format!("`{written}` is no word of the language");
+    let message = format!("`{written}` is not a keyword");
     let finding = Finding::new(Code::RPI0001, message)
         .at(span, format!("did you mean `{meant}`?"))
         .fix(fix(format!("write `{meant}`")).replace(span, meant));
     let mut edits = vec![found.instead(at, &[token])];
-    // Behind the right word it is the name of what follows.
+    // After `then`, `end` is the target state, which the grammar expects as an identifier.
     if token == Token::Then && found.token(at + 1) == Some(Token::End) {
         edits.push(found.instead(at + 1, &[Token::Ident]));
     }
@@ -114,7 +114,7 @@ fn meant(
     Some(Habit { finding, mend })
 }
 
-/// The word among these that resembles the one that is written the most.
+/// Returns the keyword among `words` that is most similar to token `at`.
 fn nearest(found: &Found<'_, '_>, at: usize, words: &[Token]) -> Option<String> {
     let is_there = |token: &&Token| {
         let word = token.keyword();

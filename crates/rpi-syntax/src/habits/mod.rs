@@ -1,8 +1,8 @@
-//! Habits from other languages: what is written elsewhere, and how the same is written here.
+//! Recognises syntax of other languages in place of the equivalent RPI syntax.
 //!
-//! Each habit is told once, with the change that mends it, and the text is then read as it was meant, so that
-//! nothing follows from it. Signs are known as such ([`sign`]); everything else is recognised where the grammar
-//! did not accept a token ([`recognise`]).
+//! Each construct is reported once, with a fix. The tokens are then replaced by the equivalent RPI tokens, so that no
+//! follow-up errors arise. The lexer recognises foreign operators ([`sign`]). All other constructs are recognised at
+//! the token that the grammar rejected ([`recognise`]).
 
 mod automata;
 mod bodies;
@@ -35,25 +35,26 @@ use crate::token::Token;
 use rpi_diag::{Code, Finding, Fix, Span};
 use std::ops::Range;
 
-/// A habit, and what the parser goes on with.
+/// A recognised construct of another language: its diagnostic and the repair of the tokens.
 pub(crate) struct Habit {
     pub(crate) finding: Finding,
     pub(crate) mend: Mend,
 }
 
-/// How the tokens are read as they were meant.
+/// Repair of the tokens after a syntax error, so that parsing can continue.
 pub(crate) enum Mend {
-    /// Each range is replaced; ranges in text order.
+    /// Replaces each range of token indices by other tokens. The ranges are in text order.
     Tokens(Vec<(Range<usize>, Vec<Lexeme>)>),
-    /// A phrase is left out, with the names that it was to define.
+    /// Replaces the range of token indices by one error node that defines the given names.
     Phrase(Range<usize>, Vec<Ident>),
-    /// As any other fault.
+    /// Replaces the whole phrase with the error, as for any other syntax error.
     Usual,
-    /// Nothing of the declaration is understood.
+    /// Replaces the whole declaration by an error node.
     Item,
 }
 
-/// The habits, each a look at the token that was not accepted and at its neighbours.
+/// Recognisers of foreign syntax. Each inspects the rejected token and its neighbours.
+// The order matters: the first recogniser that matches wins, so specific ones stand before general ones.
 const HABITS: &[fn(&Found<'_, '_>) -> Option<Habit>] = &[
     values::empty,
     foreign::step_by_condition,
@@ -174,30 +175,30 @@ const HABITS: &[fn(&Found<'_, '_>) -> Option<Habit>] = &[
     forms::applied,
 ];
 
-/// The habit behind a token that was not accepted, if it is one.
+/// Returns the first construct of another language that explains a rejected token.
 pub(crate) fn recognise(found: &Found<'_, '_>) -> Option<Habit> {
     HABITS.iter().find_map(|habit| habit(found))
 }
 
-/// A finding about a habit.
+/// Creates a diagnostic (RPI0016) about syntax of another language.
 fn habit(message: impl Into<String>) -> Finding {
     Finding::new(Code::RPI0016, message)
 }
 
-/// Stands for a token where there are none.
+/// Placeholder lexeme for an empty list of tokens.
 const NOTHING: Lexeme = Lexeme {
     token: Token::Broken,
     start: 0,
     end: 0,
 };
 
-/// What looking around needs.
+/// Access to the tokens around a syntax error, and construction of repairs.
 impl Found<'_, '_> {
     fn token(&self, at: usize) -> Option<Token> {
         self.lexemes.get(at).map(|lexeme| lexeme.token)
     }
 
-    /// The token before the fault.
+    /// Returns the token before the rejected one.
     fn token_before(&self) -> Option<Token> {
         self.fault.at.checked_sub(1).and_then(|at| self.token(at))
     }
@@ -206,18 +207,18 @@ impl Found<'_, '_> {
         self.fault.expected.contains(&token)
     }
 
-    /// Whether an equation could stand here.
+    /// Returns whether the grammar accepts an equation at the rejected token.
     fn expects_equation(&self) -> bool {
         self.expects(Token::Assert) && self.expects(Token::Automaton)
     }
 
-    /// What is written at a token; empty behind the last.
+    /// Returns the source text of a token; empty for an index past the last token.
     fn written(&self, at: usize) -> &str {
         let lexeme = self.lexemes.get(at);
         lexeme.map_or("", |lexeme| self.cx.slice(lexeme.start, lexeme.end))
     }
 
-    /// The text of a range of tokens.
+    /// Returns the source text from the first to the last token of a range, gaps included.
     fn text(&self, range: Range<usize>) -> &str {
         let span = self.span_of(range);
         self.cx.slice(span.start, span.end)
@@ -234,14 +235,14 @@ impl Found<'_, '_> {
         self.cx.span(first.start, last.end)
     }
 
-    /// Another token in the place of one.
+    /// Returns the edit that replaces one token by `tokens`, all at the location of the old one.
     fn instead(&self, at: usize, tokens: &[Token]) -> (Range<usize>, Vec<Lexeme>) {
         let old = self.lexemes[at];
         let lexemes = tokens.iter().map(|&token| Lexeme { token, ..old });
         (at..at + 1, lexemes.collect())
     }
 
-    /// Other tokens in the place of two brackets.
+    /// Returns the repair that replaces an opening and a closing bracket by two other tokens.
     fn brackets(&self, open: usize, close: usize, [first, last]: [Token; 2]) -> Mend {
         Mend::Tokens(vec![
             self.instead(open, &[first]),
@@ -249,7 +250,7 @@ impl Found<'_, '_> {
         ])
     }
 
-    /// A finding about a token that another one is surely written for.
+    /// Adds the sure fix that replaces token `at` by `meant`, with the same repair of the tokens.
     fn written_for(&self, finding: Finding, at: usize, meant: Token) -> Habit {
         let (place, word) = (self.span_at(at), meant.spelling().unwrap_or_default());
         let fix = Fix::sure(format!("write `{word}`")).replace(place, word);
@@ -259,7 +260,7 @@ impl Found<'_, '_> {
         }
     }
 
-    /// A token before another.
+    /// Returns the edit that inserts a token without text before token `at`, or after the last token.
     fn before_token(&self, at: usize, token: Token) -> (Range<usize>, Vec<Lexeme>) {
         let place = match self.lexemes.get(at) {
             Some(next) => next.start,

@@ -1,11 +1,11 @@
-//! Habits inside expressions.
+//! Operators of other languages and incomplete expressions.
 
 use super::{Habit, Mend, habit};
 use crate::explain::Found;
 use crate::token::Token;
 use rpi_diag::{Code, Finding, Fix, Span};
 
-/// `x % 2`
+/// Recognises a remainder: `x % 2`.
 pub(super) fn remainder(found: &Found<'_, '_>) -> Option<Habit> {
     let at = match (found.token_before(), found.token(found.fault.at)) {
         (_, Some(Token::Percent)) => found.fault.at,
@@ -13,7 +13,7 @@ pub(super) fn remainder(found: &Found<'_, '_>) -> Option<Habit> {
         _ => return None,
     };
     let title = "write `mod`";
-    // Behind a number it is a per cent sign, and something lacks behind it.
+    // After a number, `%` is the per cent unit, and the error may be a missing operator.
     let fix = match at == found.fault.at {
         true => Fix::sure(title),
         false => Fix::maybe(title),
@@ -21,14 +21,14 @@ pub(super) fn remainder(found: &Found<'_, '_>) -> Option<Habit> {
     let finding = habit("the remainder is written `mod`")
         .at(
             found.span_at(at),
-            "a per cent sign stands behind a number: `60%` is 0.6",
+            "`%` after a number means per cent: `60%` is 0.6",
         )
         .fix(fix.replace(found.span_at(at), word(found, at, "mod")));
     let mend = Mend::Tokens(vec![found.instead(at, &[Token::Mod])]);
     Some(Habit { finding, mend })
 }
 
-/// `if a then x elif b then y else z`
+/// Recognises `elif` and similar keywords: `if a then x elif b then y else z`.
 pub(super) fn else_if(found: &Found<'_, '_>) -> Option<Habit> {
     let at = found.fault.at;
     let word = found.written(at);
@@ -36,17 +36,17 @@ pub(super) fn else_if(found: &Found<'_, '_>) -> Option<Habit> {
     if !is_word || !found.expects(Token::Else) {
         return None;
     }
-    let finding = habit("a further condition follows `else if`")
+    let finding = habit("a second condition follows `else if`")
         .at(
             found.span_at(at),
-            format!("`{word}` is of another language"),
+            format!("`{word}` is from another language"),
         )
         .fix(Fix::sure("write `else if`").replace(found.span_at(at), "else if"));
     let mend = Mend::Tokens(vec![found.instead(at, &[Token::Else, Token::If])]);
     Some(Habit { finding, mend })
 }
 
-/// `y = if c then x;`
+/// Recognises a conditional expression without `else`: `y = if c then x;`.
 pub(super) fn no_else(found: &Found<'_, '_>) -> Option<Habit> {
     use Token::{Comma, RBrace, RBracket, RParen, Semi, Tel};
     let here = found.token(found.fault.at);
@@ -60,16 +60,16 @@ pub(super) fn no_else(found: &Found<'_, '_>) -> Option<Habit> {
     let own = own_if(found)?;
     let end = found.span_at(found.fault.at - 1);
     let finding = Finding::new(Code::RPI0001, "this `if` has no `else`")
-        .at(found.span_at(own), "a flow has a value in every cycle")
+        .at(found.span_at(own), "a flow needs a value in every cycle")
         .also(super::bodies::behind(end), "expected `else` here")
-        .help("say what holds otherwise: `if c then x else y`; to keep the value of the cycle before: `else pre y`");
+        .help("add the other value: `if c then x else y`; to keep the value of the previous cycle: `else pre y`");
     Some(Habit {
         finding,
         mend: Mend::Usual,
     })
 }
 
-/// The `if` before the fault that has no `else` yet.
+/// Returns the innermost `if` before the rejected token that has no `else` yet.
 pub(super) fn own_if(found: &Found<'_, '_>) -> Option<usize> {
     let mut open = 0;
     let is_own = |at: &usize| match found.token(*at) {
@@ -87,7 +87,7 @@ pub(super) fn own_if(found: &Found<'_, '_>) -> Option<usize> {
     (0..found.fault.at).rev().find(is_own)
 }
 
-/// `y = if c then x else z end;`
+/// Recognises a conditional expression with a closing keyword: `y = if c then x else z end;`.
 pub(super) fn end_if(found: &Found<'_, '_>) -> Option<Habit> {
     let at = found.fault.at;
     let is_word = matches!(found.written(at), "end" | "endif" | "fi");
@@ -98,7 +98,10 @@ pub(super) fn end_if(found: &Found<'_, '_>) -> Option<Habit> {
         return None;
     }
     let finding = habit("an `if` ends with its `else` value")
-        .at(found.span_at(at), "no word closes it")
+        .at(
+            found.span_at(at),
+            "a conditional expression has no closing keyword",
+        )
         .fix(
             named_unlike(found, at, format!("delete `{}`", found.written(at)))
                 .replace(found.span_at(at), ""),
@@ -107,7 +110,7 @@ pub(super) fn end_if(found: &Found<'_, '_>) -> Option<Habit> {
     Some(Habit { finding, mend })
 }
 
-/// A fix that is sure if nothing is declared by the name of a token: an operator could be what lacks before it.
+/// Creates a fix that is sure unless token `at` is a declared name, before which an operator could be missing.
 fn named_unlike(found: &Found<'_, '_>, at: usize, title: String) -> Fix {
     match found.cx.seeming.declares(found.written(at)) {
         true => Fix::maybe(title),
@@ -115,8 +118,10 @@ fn named_unlike(found: &Found<'_, '_>, at: usize, title: String) -> Fix {
     }
 }
 
-/// A fix of a choice as it is written elsewhere: sure unless an operator stands beside it that only this language has, as which of them
-/// reaches farther is not said.
+/// Creates a fix of a foreign conditional expression.
+///
+/// The fix is not sure if an operator is involved that only RPI has: its precedence relative to the foreign conditional
+/// is undefined.
 pub(super) fn choice_fix(
     found: &Found<'_, '_>,
     range: std::ops::Range<usize>,
@@ -135,7 +140,7 @@ pub(super) fn choice_fix(
     }
 }
 
-/// `c ? x : y`
+/// Recognises the conditional operator of C: `c ? x : y`.
 pub(super) fn conditional(found: &Found<'_, '_>) -> Option<Habit> {
     let at = found.fault.at;
     if found.token(at) != Some(Token::Question) || !found.expects(Token::Plus) {
@@ -144,7 +149,7 @@ pub(super) fn conditional(found: &Found<'_, '_>) -> Option<Habit> {
     let (start, end) = operand(found, at);
     let level = found.structure.parent(at);
     let here = |i: &usize| found.structure.parent(*i) == level;
-    // In a branch of a choice around it the condition is what stands there.
+    // Within a branch of an outer conditional, the condition begins after `then` or `else`.
     let begins = |i: &usize| matches!(found.token(*i), Some(Token::Then | Token::Else));
     let branch = (start..at).rev().filter(here).find(begins);
     let start = branch.map_or(start, |branch| branch + 1);
@@ -168,8 +173,8 @@ pub(super) fn conditional(found: &Found<'_, '_>) -> Option<Habit> {
     .insert_before(found.span_at(start), "if ")
     .replace(found.span_at(at), word(found, at, "then"))
     .replace(found.span_at(colon), word(found, colon, "else"));
-    let finding = habit("a choice is written `if c then x else y`")
-        .at(found.span_at(at), "`? :` is of another language")
+    let finding = habit("a conditional expression is written `if c then x else y`")
+        .at(found.span_at(at), "`? :` is from another language")
         .fix(fix);
     let mend = Mend::Tokens(vec![
         found.before_token(start, Token::If),
@@ -179,12 +184,12 @@ pub(super) fn conditional(found: &Found<'_, '_>) -> Option<Habit> {
     Some(Habit { finding, mend })
 }
 
-/// What a word is replaced by that stands in place of a sign: with the spaces that it needs.
+/// Returns `word` with the spaces that it needs when it replaces token `at`.
 fn word(found: &Found<'_, '_>, at: usize, word: &str) -> String {
     super::signs::apart(found.span_at(at), found.cx.text, word)
 }
 
-/// The element of a list, or the right side of an equation, in which a token stands.
+/// Returns the range of the list element, or right side of an equation, that contains token `at`.
 pub(super) fn operand(found: &Found<'_, '_>, at: usize) -> (usize, usize) {
     let level = found.structure.parent(at);
     let phrase = found.structure.phrase(at);
@@ -206,7 +211,7 @@ pub(super) fn operand(found: &Found<'_, '_>, at: usize) -> (usize, usize) {
     (start, end)
 }
 
-/// `3 mm`
+/// Recognises a unit without brackets: `3 mm`.
 pub(super) fn bare_unit(found: &Found<'_, '_>) -> Option<Habit> {
     let at = found.fault.at;
     let is_number = matches!(found.token_before(), Some(Token::Int | Token::Real));
@@ -232,7 +237,7 @@ pub(super) fn bare_unit(found: &Found<'_, '_>) -> Option<Habit> {
         Code::RPI0007,
         format!("a unit is written in brackets: `[{unit}]`"),
     )
-    .at(found.span_at(at), "does not belong to the number like this")
+    .at(found.span_at(at), "a unit needs brackets")
     .fix(Fix::maybe(format!("write `[{unit}]`")).replace(place, format!("[{unit}]")));
     let mend = Mend::Tokens(vec![
         found.before_token(at, Token::LBracket),
@@ -241,7 +246,7 @@ pub(super) fn bare_unit(found: &Found<'_, '_>) -> Option<Habit> {
     Some(Habit { finding, mend })
 }
 
-/// `3(x + 1)`, `(a + b)(c + d)`, `2 x`
+/// Recognises a product without `*`: `3(x + 1)`, `(a + b)(c + d)`, `2 x`.
 pub(super) fn product(found: &Found<'_, '_>) -> Option<Habit> {
     use Token::{Ident, Int, LParen, RParen, Real};
     let at = found.fault.at;
@@ -263,16 +268,13 @@ pub(super) fn product(found: &Found<'_, '_>) -> Option<Habit> {
         return Some(unit);
     }
     let finding = habit("a product is written with `*`")
-        .at(
-            found.span_at(at),
-            "does not belong to what stands before it",
-        )
+        .at(found.span_at(at), "expected `*` before this")
         .fix(Fix::maybe("insert `*`").replace(gap, " * "));
     let mend = Mend::Tokens(vec![found.before_token(at, Token::Star)]);
     Some(Habit { finding, mend })
 }
 
-/// `250(mm)`
+/// Recognises a unit in parentheses: `250(mm)`.
 fn unit_in_parentheses(found: &Found<'_, '_>, at: usize, is_number: bool) -> Option<Habit> {
     let close = found.structure.partner(at).filter(|_| is_number)?;
     let is_part = |at: usize| {
@@ -291,13 +293,13 @@ fn unit_in_parentheses(found: &Found<'_, '_>, at: usize, is_number: bool) -> Opt
     let place = found.span_of(at..close + 1);
     let message = format!("a unit is written in brackets: `[{unit}]`");
     let finding = Finding::new(Code::RPI0007, message)
-        .at(place, "parentheses call a node")
+        .at(place, "parentheses after a value do not form a unit")
         .fix(Fix::maybe(format!("write `[{unit}]`")).replace(place, format!("[{unit}]")));
     let mend = found.brackets(at, close, [Token::LBracket, Token::RBracket]);
     Some(Habit { finding, mend })
 }
 
-/// Whether the list of arguments of a call ends at a token.
+/// Returns whether the parenthesis at token `close` ends the argument list of a call.
 fn is_header(found: &Found<'_, '_>, close: usize) -> bool {
     let open = found.structure.partner(close);
     let before = open
@@ -306,7 +308,7 @@ fn is_header(found: &Found<'_, '_>, close: usize) -> bool {
     matches!(before, Some(Token::Ident | Token::Path | Token::RStatic))
 }
 
-/// `P { x: 1.0 }`
+/// Recognises a struct value with `:` after its fields: `P { x: 1.0 }`.
 pub(super) fn field_by_colon(found: &Found<'_, '_>) -> Option<Habit> {
     let at = found.fault.at;
     let inside = found
@@ -317,14 +319,14 @@ pub(super) fn field_by_colon(found: &Found<'_, '_>) -> Option<Habit> {
     if found.token(at) != Some(Token::Colon) || inside != Some(Token::LBrace) || !is_field {
         return None;
     }
-    let finding = habit("the fields of a value are given by `=`")
-        .at(found.span_at(at), "`:` names arguments of calls")
+    let finding = habit("the fields of a struct value are set with `=`")
+        .at(found.span_at(at), "`:` follows argument names in calls")
         .fix(Fix::sure("write `=`").replace(found.span_at(at), " ="));
     let mend = Mend::Tokens(vec![found.instead(at, &[Token::Eq])]);
     Some(Habit { finding, mend })
 }
 
-/// `limits: Limits = { speed = 1.0 }`
+/// Recognises a struct value without its type: `limits: Limits = { speed = 1.0 }`.
 pub(super) fn struct_without_type(found: &Found<'_, '_>) -> Option<Habit> {
     use Token::{Colon, Eq, Ident, LBrace, RBrace};
     let at = found.fault.at;
@@ -335,7 +337,7 @@ pub(super) fn struct_without_type(found: &Found<'_, '_>) -> Option<Habit> {
     }
     let brace = found.span_at(at - 1);
     let before = |back: usize| at.checked_sub(back).and_then(|at| found.token(at));
-    let finding = habit("a value of a struct begins with its type");
+    let finding = habit("a struct value begins with its type");
     let finding = match [before(4), before(3), before(2)] {
         [Some(Colon), Some(Ident), Some(Eq)] => {
             let ty = found.written(at - 3);
@@ -344,11 +346,13 @@ pub(super) fn struct_without_type(found: &Found<'_, '_>) -> Option<Habit> {
                 ..brace
             };
             let fix = Fix::sure(format!("write `{ty} {{`")).replace(place, format!("{ty} "));
-            finding.at(brace, format!("of `{ty}`, it seems")).fix(fix)
+            finding
+                .at(brace, format!("expected `{ty}` before this"))
+                .fix(fix)
         }
         _ => finding
-            .at(brace, "of which type is this?")
-            .help("for instance `Point {x = 1.0; y = 2.0}`"),
+            .at(brace, "expected the name of a struct type before this")
+            .help("for example `Point {x = 1.0; y = 2.0}`"),
     };
     Some(Habit {
         finding,
@@ -356,7 +360,7 @@ pub(super) fn struct_without_type(found: &Found<'_, '_>) -> Option<Habit> {
     })
 }
 
-/// `(x + 1))`
+/// Recognises a closing bracket without its opening one: `(x + 1))`.
 pub(super) fn stray_bracket(found: &Found<'_, '_>) -> Option<Habit> {
     use Token::{RBrace, RBracket, RParen, RStatic};
     let at = found.fault.at;
@@ -368,7 +372,7 @@ pub(super) fn stray_bracket(found: &Found<'_, '_>) -> Option<Habit> {
         return None;
     }
     let written = found.written(at);
-    let finding = Finding::new(Code::RPI0001, format!("this `{written}` closes nothing"))
+    let finding = Finding::new(Code::RPI0001, format!("unmatched `{written}`"))
         .at(found.span_at(at), "no bracket is open here")
         .fix(Fix::maybe(format!("delete `{written}`")).replace(found.span_at(at), ""));
     let mend = Mend::Tokens(vec![(at..at + 1, Vec::new())]);

@@ -1,4 +1,4 @@
-//! Heads of other languages: ports without parentheses, types or names, sections of variables.
+//! Headers of other languages: ports without parentheses, types or names, sections of variables.
 
 use super::{Habit, Mend, habit};
 use crate::explain::Found;
@@ -6,7 +6,7 @@ use crate::lexer::Lexeme;
 use crate::token::Token;
 use rpi_diag::{Fix, Span};
 
-/// The name here of a number or truth value that is called otherwise elsewhere.
+/// Returns the RPI type for the name of a numeric or Boolean type of another language, such as `double`.
 pub(super) fn foreign_type(word: &str) -> Option<Token> {
     let word = word.to_ascii_lowercase();
     let word = word
@@ -23,7 +23,7 @@ pub(super) fn foreign_type(word: &str) -> Option<Token> {
     })
 }
 
-/// `(double x)`, `(int a[3], bool c)`, `(unsigned int n)`
+/// Recognises ports with the type first: `(double x)`, `(int a[3], bool c)`, `(unsigned int n)`.
 pub(super) fn typed_first(found: &Found<'_, '_>) -> Option<Habit> {
     let fault = found.fault.at;
     let near = [fault, fault.saturating_sub(1), fault.saturating_sub(2)];
@@ -32,15 +32,18 @@ pub(super) fn typed_first(found: &Found<'_, '_>) -> Option<Habit> {
     let in_header = (found.structure.parent(at)).is_some_and(|open| is_list(found, open));
     let first = TypedPort::read(found, at).filter(|port| in_header && fault <= port.name + 1)?;
     let place = found.span_of(at..first.end);
-    let finding = habit(format!("the name goes before its type: `{}`", first.meant))
-        .at(place, "the type stands first");
+    let finding = habit(format!(
+        "the name is written before its type: `{}`",
+        first.meant
+    ))
+    .at(place, "the type comes first here");
     let mut fix = match found.token(at) {
         Some(Token::Ident) => Fix::maybe(format!("write `{}`", first.meant)),
         _ => Fix::sure(format!("write `{}`", first.meant)),
     };
     let mut edits = Vec::new();
     let mut next = Some(first);
-    // Whoever writes one like this writes all like this.
+    // One diagnostic covers all following ports in the same form.
     while let Some(port) = next {
         fix = fix.replace(found.span_of(at..port.end), port.meant.clone());
         edits.push((at..port.end, port.tokens));
@@ -60,25 +63,29 @@ pub(super) fn typed_first(found: &Found<'_, '_>) -> Option<Habit> {
     })
 }
 
-/// Whether a port or field can begin at a token.
+/// Returns whether a port or field can begin at token `at`.
 fn begins_port(found: &Found<'_, '_>, at: usize) -> bool {
     use Token::{Comma, LBrace, LParen, Semi};
     let before = at.checked_sub(1).and_then(|at| found.token(at));
     matches!(before, Some(Comma | LBrace | LParen | Semi))
 }
 
-/// Whether a bracket holds ports, or the fields of a struct.
+/// Returns whether a bracket encloses ports, or the fields of a struct.
 fn is_list(found: &Found<'_, '_>, open: usize) -> bool {
     let before = open.checked_sub(1).and_then(|at| found.token(at));
     let is_struct = found.token(open) == Some(Token::LBrace) && before == Some(Token::Struct);
     is_struct || is_ports(found, open)
 }
 
-/// A port whose type stands first.
+/// Port with its type before its name, as in C.
 struct TypedPort {
+    /// Token index of the name.
     name: usize,
+    /// Token index one past the port.
     end: usize,
+    /// RPI source text of the port.
     meant: String,
+    /// RPI tokens of the port.
     tokens: Vec<Lexeme>,
 }
 
@@ -117,7 +124,9 @@ impl TypedPort {
     }
 }
 
-/// Tokens whose places are in text order, as the grammar wants them: those out of order are moved to the end of the one before.
+/// Returns the tokens with non-decreasing locations, as the grammar requires them.
+///
+/// A token that is out of order is moved to the end of the token before it.
 pub(super) fn behind(tokens: &[Lexeme]) -> Vec<Lexeme> {
     let mut end = 0;
     let mut ordered = Vec::with_capacity(tokens.len());
@@ -133,7 +142,7 @@ pub(super) fn behind(tokens: &[Lexeme]) -> Vec<Lexeme> {
     ordered
 }
 
-/// The type that a token names, here or elsewhere.
+/// Returns the type that a token denotes, in RPI or in another language.
 fn type_of(found: &Found<'_, '_>, at: usize) -> Option<Token> {
     match found.token(at)? {
         token @ (Token::BoolType | Token::IntType | Token::RealType) => Some(token),
@@ -142,12 +151,12 @@ fn type_of(found: &Found<'_, '_>, at: usize) -> Option<Token> {
     }
 }
 
-/// Whether a bracket holds the ports of a declaration.
+/// Returns whether a bracket encloses the ports of a declaration.
 fn is_ports(found: &Found<'_, '_>, open: usize) -> bool {
     found.token(open) == Some(Token::LParen) && found.structure.parent(open).is_none()
 }
 
-/// `node f (x) returns ...`, `node f (int) ...`, `node f(x) = x + 1;`
+/// Recognises ports without a type or name: `node f (x) returns ...`, `node f (int) ...`, `node f(x) = x + 1;`.
 pub(super) fn half_port(found: &Found<'_, '_>) -> Option<Habit> {
     use Token::{Comma, Ident, LParen, RParen, Semi};
     let at = found.fault.at;
@@ -178,8 +187,8 @@ pub(super) fn half_port(found: &Found<'_, '_>) -> Option<Habit> {
     }
     let ty = found.written(at);
     let meant = format!("y: {ty}");
-    let finding = habit("a port has a name and a type")
-        .at(found.span_at(at), "a type without a name")
+    let finding = habit("a port needs a name and a type")
+        .at(found.span_at(at), "this type has no port name")
         .fix(Fix::maybe(format!("write `{meant}`")).replace(found.span_at(at), meant));
     Some(Habit {
         finding,
@@ -187,13 +196,13 @@ pub(super) fn half_port(found: &Found<'_, '_>) -> Option<Habit> {
     })
 }
 
-/// A port without a type; what is declared without a body as a function elsewhere is left alone.
+/// Reports a port without a type. A function in the form of another language is removed as a whole.
 fn untyped(found: &Found<'_, '_>, at: usize) -> Habit {
     let name = found.written(at);
     let is_equation =
         found.token(at + 2) == Some(Token::Eq) && found.token(at + 3) != Some(Token::LParen);
     let is_foreign = is_equation || found.token(at + 2) == Some(Token::LBrace);
-    let finding = habit("every port has a type")
+    let finding = habit("every port needs a type")
         .at(found.span_at(at), format!("`{name}: int`, `{name}: real`"));
     match is_foreign {
         true => Habit {
@@ -203,13 +212,13 @@ fn untyped(found: &Found<'_, '_>, at: usize) -> Habit {
             mend: Mend::Item,
         },
         false => Habit {
-            finding: finding.help(format!("write the type behind a colon: `{name}: real`")),
+            finding: finding.help(format!("write the type after a colon: `{name}: real`")),
             mend: Mend::Usual,
         },
     }
 }
 
-/// `node f (x: int) = (y: int)`, `node f (x: int): int`
+/// Recognises another token for `returns`: `node f (x: int) = (y: int)`, `node f (x: int): int`.
 pub(super) fn result(found: &Found<'_, '_>) -> Option<Habit> {
     use Token::{Arrow, Colon, Eq, LParen};
     let at = found.fault.at;
@@ -220,7 +229,7 @@ pub(super) fn result(found: &Found<'_, '_>) -> Option<Habit> {
     let finding = habit("the out-ports follow `returns`");
     match (found.token(at)?, found.token(at + 1)?) {
         (Eq, LParen) => {
-            let finding = finding.at(span, "an equation stands in the body");
+            let finding = finding.at(span, "equations belong into the body");
             Some(found.written_for(finding, at, Token::Returns))
         }
         (Colon | Arrow, _) if type_of(found, at + 1).is_some() => {
@@ -228,9 +237,11 @@ pub(super) fn result(found: &Found<'_, '_>) -> Option<Habit> {
             let meant = format!("returns (y: {})", ty.spelling().unwrap_or_default());
             let place = found.span_of(at..at + 2);
             Some(Habit {
-                finding: finding.at(place, "an out-port has a name and a type").fix(
-                    Fix::maybe(format!("write `{meant}`")).replace(place, format!(" {meant}")),
-                ),
+                finding: finding
+                    .at(place, "an out-port needs a name and a type")
+                    .fix(
+                        Fix::maybe(format!("write `{meant}`")).replace(place, format!(" {meant}")),
+                    ),
                 mend: Mend::Item,
             })
         }
@@ -238,7 +249,7 @@ pub(super) fn result(found: &Found<'_, '_>) -> Option<Habit> {
     }
 }
 
-/// `node f x: int returns ...`, `returns y: int`
+/// Recognises ports without parentheses: `node f x: int returns ...`, `returns y: int`.
 pub(super) fn bare_ports(found: &Found<'_, '_>) -> Option<Habit> {
     use Token::{Colon, Con, Ident, LParen, Let, RParen, Returns, Semi, Var};
     let at = found.fault.at;
@@ -271,14 +282,14 @@ pub(super) fn bare_ports(found: &Found<'_, '_>) -> Option<Habit> {
             fix.insert_after(found.span_at(end - 1), ")")
         }
     };
-    let finding = habit("ports stand in parentheses")
+    let finding = habit("ports are written in parentheses")
         .at(found.span_of(at..end), "expected `(`")
         .fix(fix);
     let mend = Mend::Tokens(tokens);
     Some(Habit { finding, mend })
 }
 
-/// `sig z: int;`, `local z: int;`, `VAR_TEMP z: int;`
+/// Recognises keywords for local variables: `sig z: int;`, `local z: int;`, `VAR_TEMP z: int;`.
 pub(super) fn locals(found: &Found<'_, '_>) -> Option<Habit> {
     const WORDS: [&str; 9] = [
         "sig",
@@ -303,11 +314,11 @@ pub(super) fn locals(found: &Found<'_, '_>) -> Option<Habit> {
         return None;
     }
     let finding = habit("local flows are declared after `var`")
-        .at(found.span_at(at), "a word of another language");
+        .at(found.span_at(at), "keyword of another language");
     Some(found.written_for(finding, at, Token::Var))
 }
 
-/// `var x: int; end_var let ...`
+/// Recognises a closing keyword after local variables: `var x: int; end_var let ...`.
 pub(super) fn end_of_locals(found: &Found<'_, '_>) -> Option<Habit> {
     let fault = found.fault.at;
     let mut places = [fault, fault.saturating_sub(1)].into_iter();
@@ -325,7 +336,7 @@ pub(super) fn end_of_locals(found: &Found<'_, '_>) -> Option<Habit> {
     let end = at + 1 + usize::from(found.token(at + 1) == Some(Token::Semi));
     let place = found.span_of(at..end);
     let finding = habit("`let` ends the local declarations")
-        .at(place, "no word closes them")
+        .at(place, "local declarations have no closing keyword")
         .fix(Fix::sure(format!("delete `{}`", found.written(at))).replace(place, ""));
     Some(Habit {
         finding,
@@ -333,7 +344,7 @@ pub(super) fn end_of_locals(found: &Found<'_, '_>) -> Option<Habit> {
     })
 }
 
-/// `let rec`
+/// Recognises `let rec`.
 pub(super) fn recursive(found: &Found<'_, '_>) -> Option<Habit> {
     let fault = found.fault.at;
     let mut places = [fault, fault.saturating_sub(1)].into_iter();
@@ -344,8 +355,8 @@ pub(super) fn recursive(found: &Found<'_, '_>) -> Option<Habit> {
         return None;
     }
     let place = gap(found, at);
-    let finding = habit("equations refer to one another without `rec`")
-        .at(found.span_at(at), "a word of another language")
+    let finding = habit("equations may refer to one another without `rec`")
+        .at(found.span_at(at), "keyword of another language")
         .fix(Fix::sure("delete `rec`").replace(place, ""));
     Some(Habit {
         finding,
@@ -353,14 +364,14 @@ pub(super) fn recursive(found: &Found<'_, '_>) -> Option<Habit> {
     })
 }
 
-/// A token with the gap before it.
+/// Returns the span of token `at` with the white space before it.
 fn gap(found: &Found<'_, '_>, at: usize) -> Span {
     found
         .cx
         .span(found.lexemes[at - 1].end, found.lexemes[at].end)
 }
 
-/// `const int n = 3;` outside of bodies.
+/// Recognises a top-level constant with the type first: `const int n = 3;`.
 pub(super) fn typed_const(found: &Found<'_, '_>) -> Option<Habit> {
     let fault = found.fault.at;
     let mut places = [fault, fault.saturating_sub(1)].into_iter();
@@ -380,8 +391,8 @@ pub(super) fn typed_const(found: &Found<'_, '_>) -> Option<Habit> {
         ty.spelling().unwrap_or_default()
     );
     let place = found.span_of(at..at + 2);
-    let finding = habit(format!("the name goes before its type: `{meant}`"))
-        .at(place, "the type stands first")
+    let finding = habit(format!("the name is written before its type: `{meant}`"))
+        .at(place, "the type comes first here")
         .fix(Fix::sure(format!("write `{meant}`")).replace(place, meant));
     let mut tokens = vec![found.lexemes[at + 1]];
     tokens.extend(found.instead(at, &[Token::Colon, ty]).1);
@@ -391,7 +402,7 @@ pub(super) fn typed_const(found: &Found<'_, '_>) -> Option<Habit> {
     })
 }
 
-/// `function y = f(x)` as MATLAB has it.
+/// Recognises a function header of MATLAB: `function y = f(x)`.
 pub(super) fn matlab(found: &Found<'_, '_>) -> Option<Habit> {
     use Token::{Eq, Function, Ident, LParen, Node};
     let shape = [1, 2, 3, 4].map(|at| found.token(at));
@@ -405,8 +416,11 @@ pub(super) fn matlab(found: &Found<'_, '_>) -> Option<Habit> {
     let (result, name) = (found.written(1), found.written(3));
     let last = found.lexemes.len();
     found.cx.swallow_signs(found.span_of(0..last));
-    let finding = habit("the name goes before the ports, and the out-ports follow `returns`")
-        .at(found.span_of(0..4), "a head of another language")
+    let finding = habit("the name is written before the ports, and the out-ports follow `returns`")
+        .at(
+            found.span_of(0..4),
+            "header in the syntax of another language",
+        )
         .help(format!(
             "`{} {name} (x: real) returns ({result}: real) let {result} = 2.0 * x; tel`",
             found.written(0)
@@ -417,7 +431,7 @@ pub(super) fn matlab(found: &Found<'_, '_>) -> Option<Habit> {
     })
 }
 
-/// `[int; 3]`, `list[int]` as types.
+/// Recognises array and list types: `[int; 3]`, `list[int]`.
 pub(super) fn array_type(found: &Found<'_, '_>) -> Option<Habit> {
     use Token::{Colon, Hat, Ident, Int, LBracket, RBracket, Semi};
     let at = found.fault.at;
@@ -428,7 +442,7 @@ pub(super) fn array_type(found: &Found<'_, '_>) -> Option<Habit> {
     let before = open.checked_sub(1).and_then(|at| found.token(at));
     let ty = type_of(found, open + 1)?;
     let word = ty.spelling().unwrap_or_default();
-    let finding = habit("the size of an array stands behind `^`");
+    let finding = habit("the size of an array follows `^`");
     let shape = [open + 2, open + 3].map(|at| found.token(at));
     if before == Some(Colon)
         && matches!(shape, [Some(Semi), Some(Int | Ident)])
@@ -440,7 +454,7 @@ pub(super) fn array_type(found: &Found<'_, '_>) -> Option<Habit> {
         tokens.push(found.lexemes[open + 3]);
         return Some(Habit {
             finding: finding
-                .at(place, "a type of another language")
+                .at(place, "type of another language")
                 .fix(Fix::sure(format!("write `{meant}`")).replace(place, meant)),
             mend: Mend::Tokens(vec![(open..close + 1, tokens)]),
         });
@@ -450,18 +464,16 @@ pub(super) fn array_type(found: &Found<'_, '_>) -> Option<Habit> {
         return None;
     }
     let place = found.span_of(open - 1..close + 1);
-    let finding = finding
-        .at(place, "a type of another language")
-        .help(format!(
-            "three elements: `{word}^3`; a list that grows does not exist"
-        ));
+    let finding = finding.at(place, "type of another language").help(format!(
+        "an array of three elements is `{word}^3`; lists of variable length do not exist"
+    ));
     Some(Habit {
         finding,
         mend: Mend::Usual,
     })
 }
 
-/// `int x;` among equations.
+/// Recognises a declaration in C syntax among equations: `int x;`.
 pub(super) fn declared_in_body(found: &Found<'_, '_>) -> Option<Habit> {
     use Token::{Comma, Ident, Semi};
     let fault = found.fault.at;
@@ -482,9 +494,9 @@ pub(super) fn declared_in_body(found: &Found<'_, '_>) -> Option<Habit> {
     }
     let names = found.text(name..end);
     let finding = habit("locals are declared before `let`")
-        .at(found.span_of(start..end), "this stands among the equations")
+        .at(found.span_of(start..end), "declaration among the equations")
         .help(format!(
-            "`var {names}: {};` between the ports and `let`; in `.rpi` files it may be left out: an equation introduces its flow",
+            "`var {names}: {};` between the ports and `let`; in `.rpi` files it is optional: an equation declares its flow",
             ty.spelling().unwrap_or_default()
         ))
         .fix(Fix::maybe("delete it").replace(found.span_of(start..end + 1), ""));
@@ -494,7 +506,7 @@ pub(super) fn declared_in_body(found: &Found<'_, '_>) -> Option<Habit> {
     })
 }
 
-/// `int a[3] = {1, 2, 3};`, `int a[3];` among equations.
+/// Recognises an array declaration in C syntax among equations: `int a[3] = {1, 2, 3};`, `int a[3];`.
 pub(super) fn array_in_body(found: &Found<'_, '_>) -> Option<Habit> {
     use Token::{Ident, LBracket, Semi};
     let start = found.structure.phrase(found.fault.at).start;
@@ -507,13 +519,13 @@ pub(super) fn array_in_body(found: &Found<'_, '_>) -> Option<Habit> {
     let end = found.structure.phrase(start).end;
     let name = found.written(start + 1);
     let size = found.text(start + 3..close.max(start + 4));
-    let finding = habit("the equation of an array gives it its elements")
+    let finding = habit("an array is defined by an equation with its elements")
         .at(
             found.span_of(start..close + 1),
-            "a declaration of another language",
+            "declaration in the syntax of another language",
         )
         .help(format!(
-            "`{name} = [1, 2, 3];`; its type may be said before `let`: `var {name}: {}^{size};`",
+            "`{name} = [1, 2, 3];`; its type may be declared before `let`: `var {name}: {}^{size};`",
             ty.spelling().unwrap_or_default()
         ));
     let names = match found.token(close + 1) {

@@ -1,20 +1,22 @@
-//! Signs of other languages.
+//! Operators of other languages, such as `==` and `:=`.
 
 use super::habit;
 use crate::token::Token;
 use rpi_diag::{Finding, Fix, Span};
 
-/// A sign of another language.
+/// Operator of another language.
 pub(crate) struct Sign {
+    /// Spelling of the operator.
     written: &'static str,
-    /// What it is there.
+    /// Name of the operation, as used in messages.
     name: &'static str,
-    /// What it is here.
+    /// Equivalent RPI token.
     pub(crate) token: Token,
-    /// Whether it is that in every language that has it.
+    /// Whether the operator has this meaning in every language that has it.
     is_sure: bool,
 }
 
+/// Creates a row of the table with an unambiguous meaning.
 const fn row(written: &'static str, name: &'static str, token: Token) -> Sign {
     Sign {
         written,
@@ -24,6 +26,7 @@ const fn row(written: &'static str, name: &'static str, token: Token) -> Sign {
     }
 }
 
+/// Creates a row of the table whose meaning differs between languages.
 const fn unsure(written: &'static str, name: &'static str, token: Token) -> Sign {
     Sign {
         is_sure: false,
@@ -31,7 +34,7 @@ const fn unsure(written: &'static str, name: &'static str, token: Token) -> Sign
     }
 }
 
-/// The signs that the lexer knows; none of them means anything here.
+/// Table of the foreign operators that the lexer recognises. None of them is an operator of RPI.
 pub(crate) const SIGNS: &[Sign] = &[
     row("==", "equality", Token::Eq),
     row("===", "equality", Token::Eq),
@@ -42,30 +45,30 @@ pub(crate) const SIGNS: &[Sign] = &[
     row("&&", "conjunction", Token::And),
     row("||", "disjunction", Token::Or),
     row("!", "negation", Token::Not),
-    // Elsewhere it turns over bits.
+    // In C, `~` is the bitwise complement.
     unsure("~", "negation", Token::Not),
     row(":=", "a definition", Token::Eq),
     row("==>", "implication", Token::Implies),
 ];
 
-/// What `:=` of another language belongs to.
+/// Construct that a foreign `:=` belongs to.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Becomes {
-    /// `y := x`
+    /// Definition: `y := x`.
     Definition,
-    /// `f(x := 1)`
+    /// Named argument of a call: `f(x := 1)`.
     Argument,
-    /// Anything else.
+    /// Any other construct.
     Unclear,
 }
 
-/// A `:=` stands in the text.
+/// Reports a foreign `:=`. Returns the diagnostic and the RPI token that replaces it.
 pub(crate) fn becomes(span: Span, text: &str, of: Becomes) -> (Finding, Token) {
-    let seen = "`:=` is of another language";
+    let seen = "`:=` is from another language";
     let (message, sign, token) = match of {
         Becomes::Argument => (NAMED, ":", Token::Colon),
         _ if is_in_brackets(&text[..span.start as usize]) => {
-            let finding = habit("a changed part of a value is written with `with`").at(span, seen);
+            let finding = habit("a modified copy of a value is written with `with`").at(span, seen);
             let finding = finding.help("write `(a with [0] = x)`, `(r with .n = x)`");
             return (finding, Token::Eq);
         }
@@ -82,12 +85,12 @@ pub(crate) fn becomes(span: Span, text: &str, of: Becomes) -> (Finding, Token) {
     )
 }
 
-/// The row of a sign.
+/// Returns the row of a foreign operator, if `written` is one.
 pub(crate) fn sign(written: &str) -> Option<&'static Sign> {
     SIGNS.iter().find(|sign| sign.written == written)
 }
 
-/// Such a sign stands in the text.
+/// Creates the diagnostic of a foreign operator at `span`.
 pub(crate) fn foreign_sign(span: Span, text: &str, sign: &Sign) -> Finding {
     let meant = sign.token.spelling().unwrap_or_default();
     let title = format!("write `{meant}`");
@@ -96,14 +99,15 @@ pub(crate) fn foreign_sign(span: Span, text: &str, sign: &Sign) -> Finding {
         false => Fix::maybe(title),
     };
     habit(format!("{} is written `{meant}`", sign.name))
-        .at(span, format!("`{}` is of another language", sign.written))
+        .at(span, format!("`{}` is from another language", sign.written))
         .fix(fix.replace(span, apart(span, text, meant)))
 }
 
-/// What is said of `f(a := x)`.
-pub(crate) const NAMED: &str = "arguments are named by `:`";
+/// Message about `f(a := x)`.
+// The parser compares messages with this constant to merge the diagnostics of one call.
+pub(crate) const NAMED: &str = "an argument name is followed by `:`";
 
-/// Whether a `[` of the statement at hand is open at the end of the text.
+/// Returns whether the text ends within an open `[` of its last statement. Looks back 400 characters at most.
 fn is_in_brackets(before: &str) -> bool {
     let mut closed = 0u32;
     let near = before.chars().rev().take(400);
@@ -118,7 +122,7 @@ fn is_in_brackets(before: &str) -> bool {
     false
 }
 
-/// A word with the spaces that keep it apart from what stands beside it.
+/// Returns `word` with the spaces that separate it from the text on both sides of `span`.
 pub(crate) fn apart(span: Span, text: &str, word: &str) -> String {
     let is_word = word.starts_with(|c: char| c.is_ascii_alphabetic());
     let joins = |c: char| is_word && !c.is_whitespace() && c != '(';

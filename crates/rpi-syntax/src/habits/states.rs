@@ -1,4 +1,4 @@
-//! States as Heptagon, SCADE and others write them: `state A do y = x until c then B`.
+//! Automata in the syntax of Heptagon, SCADE and others: `state A do y = x until c then B`.
 
 use super::{Habit, Mend, habit};
 use crate::explain::Found;
@@ -7,7 +7,7 @@ use crate::token::Token;
 use rpi_diag::Fix;
 use std::ops::Range;
 
-/// `automaton SM1 initial state A ...`
+/// Recognises an automaton with a name: `automaton SM1 initial state A ...`.
 pub(super) fn named(found: &Found<'_, '_>) -> Option<Habit> {
     use Token::{Automaton, Ident, Initial, State};
     let at = found.fault.at;
@@ -18,7 +18,7 @@ pub(super) fn named(found: &Found<'_, '_>) -> Option<Habit> {
         return None;
     }
     let finding = habit("an automaton has no name")
-        .at(found.span_at(at), "a state follows here")
+        .at(found.span_at(at), "expected a state")
         .fix(Fix::sure("delete it").replace(found.span_at(at), ""));
     Some(Habit {
         finding,
@@ -26,23 +26,24 @@ pub(super) fn named(found: &Found<'_, '_>) -> Option<Habit> {
     })
 }
 
+/// Words for the initial state in other languages.
 const STARTS: &[&str] = &[
     "init", "initial", "start", "begin", "default", "entry", "first",
 ];
 
-/// `init state A`
+/// Recognises another word for `initial`: `init state A`.
 pub(super) fn initial(found: &Found<'_, '_>) -> Option<Habit> {
     let at = found.fault.at;
     let is_start = is(found, at, STARTS) && found.expects(Token::State);
     if !is_start || found.token(at + 1) != Some(Token::State) && !is(found, at + 1, &["state"]) {
         return None;
     }
-    let finding = habit("the state in which an automaton starts is the `initial state`")
-        .at(found.span_at(at), "a word of another language");
+    let finding = habit("the first state of an automaton is marked `initial state`")
+        .at(found.span_at(at), "keyword of another language");
     Some(found.written_for(finding, at, Token::Initial))
 }
 
-/// `until c -> B;`, `until c B;`, `until c: B;`
+/// Recognises a transition without `then`: `until c -> B;`, `until c B;`, `until c: B;`.
 pub(super) fn no_then(found: &Found<'_, '_>) -> Option<Habit> {
     use Token::{Arrow, Colon, Comma, Ident, Implies, Semi, Then, Unless, Until};
     let at = found.fault.at;
@@ -78,7 +79,7 @@ pub(super) fn no_then(found: &Found<'_, '_>) -> Option<Habit> {
     }
     let place = found.span_at(sign);
     let finding = habit("the next state follows `then`")
-        .at(place, "a sign of another language")
+        .at(place, "expected `then`")
         .fix(
             Fix::sure("write `then`")
                 .replace(place, super::signs::apart(place, found.cx.text, "then")),
@@ -89,12 +90,12 @@ pub(super) fn no_then(found: &Found<'_, '_>) -> Option<Habit> {
     })
 }
 
-/// `thn`
+/// Returns whether `word` is a misspelling of `meant`, such as `thn` of `then`.
 fn is_nearly(meant: &str, word: &str) -> bool {
     rpi_diag::suggest(word, std::iter::once(meant)).is_some()
 }
 
-/// `... state B let ... tel until d then A; returns z;`
+/// Recognises `returns` at the end of a SCADE automaton: `... state B let ... tel until d then A; returns z;`.
 pub(super) fn returning(found: &Found<'_, '_>) -> Option<Habit> {
     let at = found.fault.at;
     if found.token(at) != Some(Token::Returns) || !found.expects(Token::End) {
@@ -104,10 +105,10 @@ pub(super) fn returning(found: &Found<'_, '_>) -> Option<Habit> {
         .find(|at| matches!(found.token(*at), Some(Token::Semi | Token::Tel)))?;
     let end = semi + usize::from(found.token(semi) == Some(Token::Semi));
     let place = found.span_of(at..end);
-    let finding = habit("an automaton ends with `end`, whatever its states define")
+    let finding = habit("an automaton ends with `end`, without a list of flows")
         .at(
             place,
-            "the flows that states define are flows of the body around them",
+            "flows defined in states belong to the enclosing body",
         )
         .fix(Fix::sure("write `end`").replace(place, "end"));
     Some(Habit {
@@ -116,7 +117,7 @@ pub(super) fn returning(found: &Found<'_, '_>) -> Option<Habit> {
     })
 }
 
-/// `state A do y = x until c then B`, `A -> do ...`, `state A { y = x; } until ...`
+/// Recognises states in foreign syntax: `state A do y = x until c then B`, `A -> do ...`, `state A { y = x; }`.
 pub(super) fn bodies(found: &Found<'_, '_>) -> Option<Habit> {
     let at = found.fault.at;
     let is_state = found.token_before() == Some(Token::Ident)
@@ -141,8 +142,8 @@ pub(super) fn bodies(found: &Found<'_, '_>) -> Option<Habit> {
         edits: Vec::new(),
     }
     .automaton()?;
-    let finding = habit("the equations of a state stand between `let` and `tel`")
-        .at(found.span_at(at), "a state of another language")
+    let finding = habit("the equations of a state are written between `let` and `tel`")
+        .at(found.span_at(at), "state in the syntax of another language")
         .help("`initial state A let y = x; tel until c then B;`");
     let fix = edits
         .iter()
@@ -156,13 +157,14 @@ pub(super) fn bodies(found: &Found<'_, '_>) -> Option<Habit> {
     })
 }
 
+/// Returns whether token `at` is one of `words`, ignoring case.
 fn is(found: &Found<'_, '_>, at: usize, words: &[&str]) -> bool {
     words
         .iter()
         .any(|word| found.written(at).eq_ignore_ascii_case(word))
 }
 
-/// One past what opens a body in the place of `let`: `do`, `{`, `:`, `-> do`, `begin`.
+/// Returns the index one past the tokens that open a body instead of `let`: `do`, `{`, `: do`, `-> do`, `begin`.
 fn opens(found: &Found<'_, '_>, at: usize) -> Option<usize> {
     match found.token(at)? {
         Token::LBrace => Some(at + 1),
@@ -177,7 +179,7 @@ fn opens(found: &Found<'_, '_>, at: usize) -> Option<usize> {
     }
 }
 
-/// Tokens that give way to others.
+/// Replacement of a range of tokens by others.
 struct Edit {
     range: Range<usize>,
     tokens: Vec<Token>,
@@ -210,7 +212,7 @@ impl Edit {
     }
 }
 
-/// Goes through the states of an automaton, and notes what is written otherwise here.
+/// Walker over the states of a foreign automaton. Collects the edits that turn it into an RPI automaton.
 struct Rewriter<'r, 'f, 't> {
     found: &'r Found<'f, 't>,
     at: usize,
@@ -251,7 +253,7 @@ impl Rewriter<'_, '_, '_> {
         )
     }
 
-    /// `initial state A` with what lacks of it.
+    /// Walks over `initial state A` and inserts the missing keywords. Returns `None` without a state name.
     fn head(&mut self, first: bool) -> Option<()> {
         let is_initial = self.token() == Some(Token::Initial);
         self.at += usize::from(is_initial);
@@ -269,7 +271,7 @@ impl Rewriter<'_, '_, '_> {
         is_name.then_some(())
     }
 
-    /// Whether another state is the initial one.
+    /// Returns whether any later state is marked `initial`.
     fn any_initial(&self) -> bool {
         let after = self.at..self.found.lexemes.len();
         let mut tokens = after.map(|at| self.found.token(at));
@@ -314,7 +316,7 @@ impl Rewriter<'_, '_, '_> {
         ends || is(self.found, self.at, &["done"]) || self.begins_bare_state()
     }
 
-    /// `B -> do ...`
+    /// Returns whether a state without `state` begins here: `B -> do ...`.
     fn begins_bare_state(&self) -> bool {
         self.token() == Some(Token::Ident)
             && self.found.token(self.at + 1) == Some(Token::Arrow)
@@ -371,7 +373,7 @@ impl Rewriter<'_, '_, '_> {
         self.at += count;
     }
 
-    /// Notes an edit; what is inserted at one place is one edit.
+    /// Records an edit of the next `count` tokens. Insertions at the same position become one edit.
     fn edit(&mut self, count: usize, tokens: &[Token]) {
         let range = self.at..self.at + count;
         match self.edits.last_mut() {
@@ -387,7 +389,7 @@ impl Rewriter<'_, '_, '_> {
     }
 }
 
-/// `when c then B;`, `if c then B;` behind the body of a state.
+/// Recognises a transition after a body with another keyword than `until`: `when c then B;`, `if c then B;`.
 pub(super) fn transition_word(found: &Found<'_, '_>) -> Option<Habit> {
     let at = found.fault.at;
     let is_word = matches!(found.token(at), Some(Token::When | Token::If))
@@ -395,12 +397,12 @@ pub(super) fn transition_word(found: &Found<'_, '_>) -> Option<Habit> {
     if !is_word || !found.expects(Token::Until) || !found.expects(Token::State) {
         return None;
     }
-    let finding = habit("a transition begins with `until`, or before the body with `unless`")
+    let finding = habit("a transition begins with `until` after the body, or `unless` before it")
         .at(found.span_at(at), "expected `until`");
     Some(found.written_for(finding, at, Token::Until))
 }
 
-/// `automaton ... end_automaton`
+/// Recognises a foreign closing keyword: `automaton ... end_automaton`.
 pub(super) fn foreign_end(found: &Found<'_, '_>) -> Option<Habit> {
     const ENDS: &[&str] = &[
         "end_automaton",
@@ -416,11 +418,11 @@ pub(super) fn foreign_end(found: &Found<'_, '_>) -> Option<Habit> {
         return None;
     }
     let finding =
-        habit("an automaton ends with `end`").at(found.span_at(at), "a word of another language");
+        habit("an automaton ends with `end`").at(found.span_at(at), "keyword of another language");
     Some(found.written_for(finding, at, Token::End))
 }
 
-/// `state_machine initial state A ...`
+/// Recognises another keyword for `automaton`: `state_machine initial state A ...`.
 pub(super) fn machine(found: &Found<'_, '_>) -> Option<Habit> {
     const WORDS: &[&str] = &[
         "state_machine",
@@ -437,7 +439,7 @@ pub(super) fn machine(found: &Found<'_, '_>) -> Option<Habit> {
         return None;
     }
     let finding = habit("a state machine begins with `automaton`")
-        .at(found.span_at(word), "a word of another language")
+        .at(found.span_at(word), "keyword of another language")
         .fix(Fix::sure("write `automaton`").replace(found.span_at(word), "automaton"));
     Some(Habit {
         finding,

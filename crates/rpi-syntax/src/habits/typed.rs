@@ -1,4 +1,4 @@
-//! Equations that name a type, as declarations with a first value do elsewhere, and equations without their sign.
+//! Equations with a type, equations without `=`, casts, shifts, and `;` in place of other separators.
 
 use super::{Habit, Mend, habit};
 use crate::Mode;
@@ -8,7 +8,7 @@ use crate::token::Token;
 use rpi_diag::{Code, Finding, Fix};
 use std::ops::Range;
 
-/// `int z = 3;`, `let z: int = 3;`
+/// Recognises an equation that begins with a type or declaration keyword: `int z = 3;`, `let z: int = 3;`.
 pub(super) fn typed_word(found: &Found<'_, '_>) -> Option<Habit> {
     use Token::{BoolType, Const, IntType, Let, RealType, Var};
     let word = found.token(found.fault.at)?;
@@ -16,7 +16,7 @@ pub(super) fn typed_word(found: &Found<'_, '_>) -> Option<Habit> {
     (begins && found.expects_equation()).then(|| typed(found))?
 }
 
-/// The same, and `z: int = 3;`, `Angle z = 3;`
+/// Recognises an equation with a type: `int z = 3;`, `z: int = 3;`, `Angle z = 3;`.
 pub(super) fn typed(found: &Found<'_, '_>) -> Option<Habit> {
     use Token::{Const, Let, Var};
     let at = found.fault.at;
@@ -32,11 +32,11 @@ pub(super) fn typed(found: &Found<'_, '_>) -> Option<Habit> {
     let (ty, name) = type_and_name(found, phrase.clone())?;
     let written = found.written(name);
     let seen = match found.cx.mode {
-        Mode::Lustre => "a type is said where a flow is declared".to_owned(),
+        Mode::Lustre => "a flow has its type in its declaration".to_owned(),
         Mode::Rpi => format!("`{written}` has the type of its value"),
     };
     let finding =
-        habit("an equation does not name the type of its flow").at(found.span_of(ty.clone()), seen);
+        habit("an equation cannot state the type of its flow").at(found.span_of(ty.clone()), seen);
     let sign = (name..phrase.end).find(|at| found.token(*at) == Some(Token::Eq))?;
     if found.cx.mode == Mode::Lustre {
         let finding = finding.help(format!(
@@ -50,21 +50,21 @@ pub(super) fn typed(found: &Found<'_, '_>) -> Option<Habit> {
         .span(found.lexemes[phrase.start].start, found.lexemes[sign].end);
     let meant = format!("{written} =");
     let finding = finding
-        .help("or declare it before `let`, where a type may be said")
+        .help("or declare it with its type before `let`")
         .fix(Fix::maybe(format!("write `{meant} ...`")).replace(place, meant));
     let kept = vec![found.lexemes[name], found.lexemes[sign]];
     let mend = Mend::Tokens(vec![(phrase.start..sign + 1, kept)]);
     Some(Habit { finding, mend })
 }
 
-/// Whether a statement of a body begins at a token.
+/// Returns whether a statement of a body begins at token `at`.
 fn is_statement(found: &Found<'_, '_>, at: usize) -> bool {
     let before = at.checked_sub(1).and_then(|at| found.token(at));
     let begins = matches!(before, Some(Token::Let | Token::Semi | Token::Tel));
     begins && found.structure.is_in_block(at)
 }
 
-/// The type that a statement says, and the name of the flow.
+/// Returns the token range of the type in a statement, and the token index of the flow's name.
 fn type_and_name(found: &Found<'_, '_>, phrase: Range<usize>) -> Option<(Range<usize>, usize)> {
     use Token::{BoolType, Colon, Const, Eq, Ident, IntType, LBracket, Let, RealType, Var};
     let start = phrase.start;
@@ -87,7 +87,7 @@ fn type_and_name(found: &Found<'_, '_>, phrase: Range<usize>) -> Option<(Range<u
     (named && is_foreign).then_some((first..end, end))
 }
 
-/// `y x;`, `let y 3;`, `const c: int 3;`
+/// Recognises an equation without `=`: `y x;`, `let y 3;`, `const c: int 3;`.
 pub(super) fn no_sign(found: &Found<'_, '_>) -> Option<Habit> {
     use Token::{BoolType, Colon, Const, Eq, Ident, IntType, Let, RBracket, RealType, Semi, Tel};
     let (word, at) = match found.token(found.fault.at)? {
@@ -129,7 +129,7 @@ pub(super) fn no_sign(found: &Found<'_, '_>) -> Option<Habit> {
     Some(Habit { finding, mend })
 }
 
-/// `y <= x;`
+/// Recognises an assignment with `<=`: `y <= x;`.
 pub(super) fn assigned(found: &Found<'_, '_>) -> Option<Habit> {
     let at = found.fault.at;
     let name = at.checked_sub(1)?;
@@ -138,14 +138,16 @@ pub(super) fn assigned(found: &Found<'_, '_>) -> Option<Habit> {
         return None;
     }
     let span = found.span_at(at);
-    let finding = habit("a definition is written `=`")
-        .at(span, "`<=` compares")
+    let finding = habit("a definition is written with `=`")
+        .at(span, "`<=` is a comparison")
         .fix(Fix::sure("write `=`").replace(span, "="));
     let mend = Mend::Tokens(vec![found.instead(at, &[Token::Eq])]);
     Some(Habit { finding, mend })
 }
 
-/// Whether the rest of the line is a value, as far as can be seen: no sign of definition in it, and never two names in a row.
+/// Returns whether a value seems to begin at token `at`.
+///
+/// The rest of the phrase must be on one line, without `=` and `:`, and without two names or numbers in a row.
 fn is_value(found: &Found<'_, '_>, at: usize) -> bool {
     use Token::{Colon, Eq, False, Ident, Int, Not, Pre, Real, True};
     let begins = |token| matches!(token, False | Ident | Int | Not | Pre | Real | True);
@@ -166,7 +168,7 @@ fn is_value(found: &Found<'_, '_>, at: usize) -> bool {
     !strange && !line.contains('\n')
 }
 
-/// `(int)x`
+/// Recognises a cast of C: `(int)x`.
 pub(super) fn cast(found: &Found<'_, '_>) -> Option<Habit> {
     use Token::{Ident, Int, IntType, LParen, RParen, Real, RealType};
     let at = found.fault.at;
@@ -180,13 +182,13 @@ pub(super) fn cast(found: &Found<'_, '_>) -> Option<Habit> {
     let word = found.written(at - 1);
     let span = found.span_of(open..at + 1);
     let finding = habit(format!("a conversion is written `{word} x`"))
-        .at(span, "no type stands in parentheses")
+        .at(span, "a type cannot be in parentheses")
         .fix(Fix::maybe(format!("write `{word}`")).replace(span, format!("{word} ")));
     let mend = Mend::Tokens(vec![(open..at + 1, vec![found.lexemes[at - 1]])]);
     Some(Habit { finding, mend })
 }
 
-/// `x as int`
+/// Recognises a cast of Rust: `x as int`.
 pub(super) fn cast_behind(found: &Found<'_, '_>) -> Option<Habit> {
     use Token::{Ident, Int, IntType, RParen, Real, RealType};
     let at = found.fault.at;
@@ -206,7 +208,7 @@ pub(super) fn cast_behind(found: &Found<'_, '_>) -> Option<Habit> {
     let finding = habit(format!("a conversion is written `{meant}`"))
         .at(
             found.span_of(at..at + 2),
-            "the type stands before its value",
+            "the type is written before the value",
         )
         .fix(Fix::maybe(format!("write `{meant}`")).replace(place, meant));
     let mut tokens = vec![found.lexemes[at + 1]];
@@ -215,10 +217,10 @@ pub(super) fn cast_behind(found: &Found<'_, '_>) -> Option<Habit> {
     Some(Habit { finding, mend })
 }
 
-/// How far behind a `<<` the fault may be found.
+/// Largest distance from a shift operator to the rejected token, in tokens.
 const NEAR: usize = 50;
 
-/// `x << 2`, `x >> 1`
+/// Recognises a shift: `x << 2`, `x >> 1`.
 pub(super) fn shift(found: &Found<'_, '_>) -> Option<Habit> {
     use Token::{Ident, Int, LStatic, RParen, Star};
     let at = found.fault.at;
@@ -230,7 +232,7 @@ pub(super) fn shift(found: &Found<'_, '_>) -> Option<Habit> {
     if !matches!(sides, [Some(Ident | Int | RParen), Some(Ident | Int)]) {
         return None;
     }
-    // A name would be a static argument.
+    // A name directly after `<<` is a static argument.
     let gap = found
         .cx
         .slice(found.lexemes[sign].end, found.lexemes[sign + 1].start);
@@ -243,9 +245,9 @@ pub(super) fn shift(found: &Found<'_, '_>) -> Option<Habit> {
     } else {
         "div"
     };
-    let finding = habit("there is no sign for shifts").at(
+    let finding = habit("there is no shift operator").at(
         found.span_at(sign),
-        "in double angle brackets stand static parameters",
+        "double angle brackets enclose static parameters",
     );
     let amount: Option<u32> = found.written(sign + 1).parse().ok().filter(|n| *n < 63);
     let finding = match amount.filter(|_| stands_alone(found, sign)) {
@@ -254,14 +256,15 @@ pub(super) fn shift(found: &Found<'_, '_>) -> Option<Habit> {
             let place = found.span_of(sign..sign + 2);
             finding.fix(Fix::maybe(format!("write `{meant}`")).replace(place, meant))
         }
-        None => finding.help("a shift by two is `x * 4` or `x div 4`"),
+        None => finding.help("a shift by two bits is `x * 4` or `x div 4`"),
     };
     let mend = Mend::Tokens(vec![found.instead(sign, &[Star])]);
     Some(Habit { finding, mend })
 }
 
-/// Whether nothing else is an operand of what the operands of a shift are: `x - 1 >> 1` shifts the difference, `x - 1 div 2`
-/// divides the 1.
+/// Returns whether the shift at token `sign` is a complete expression, so that the fix keeps its value.
+///
+/// A shift has lower precedence than arithmetic: `x - 1 >> 1` shifts the difference, but `x - 1 div 2` divides the 1.
 fn stands_alone(found: &Found<'_, '_>, sign: usize) -> bool {
     use Token::{Comma, Eq, LBracket, LParen, RBracket, RParen, Semi};
     let first = found
@@ -277,7 +280,7 @@ fn stands_alone(found: &Found<'_, '_>, sign: usize) -> bool {
         )
 }
 
-/// Whether a double angle bracket belongs to no other: none is there, or it is of another equation.
+/// Returns whether a double angle bracket has no partner in its own equation.
 fn is_shift(found: &Found<'_, '_>, at: usize) -> bool {
     use Token::{Eq, LStatic, RStatic, Semi};
     if !matches!(found.token(at), Some(LStatic | RStatic)) {
@@ -291,7 +294,7 @@ fn is_shift(found: &Found<'_, '_>, at: usize) -> bool {
     has(Semi) && has(Eq)
 }
 
-/// `f(x; y)`
+/// Recognises a call with `;` between its arguments: `f(x; y)`.
 pub(super) fn arguments_by_semi(found: &Found<'_, '_>) -> Option<Habit> {
     use Token::{Comma, Ident, LParen, Path, RStatic, Semi};
     let at = found.fault.at;
@@ -305,14 +308,14 @@ pub(super) fn arguments_by_semi(found: &Found<'_, '_>) -> Option<Habit> {
     let close = found.structure.partner(open)?;
     let is_semi =
         |i: &usize| found.token(*i) == Some(Semi) && found.structure.parent(*i) == Some(open);
-    let finding = habit("the arguments of a call are kept apart by `,`")
-        .at(found.span_at(at), "`;` stands between declarations");
+    let finding = habit("the arguments of a call are separated by `,`")
+        .at(found.span_at(at), "`;` separates declarations");
     let is_type = |at: usize| {
         found.token(at).is_some_and(is_type_word)
             && matches!(found.token(at + 1), Some(Semi | Token::RParen))
     };
     if (at..close).any(is_type) {
-        let finding = finding.help("an argument is a value: `f(x, 1)`");
+        let finding = finding.help("an argument is an expression: `f(x, 1)`");
         return Some(Habit {
             finding,
             mend: Mend::Usual,
@@ -329,7 +332,7 @@ pub(super) fn arguments_by_semi(found: &Found<'_, '_>) -> Option<Habit> {
     })
 }
 
-/// `(x; int)`, `(x; y: int)`
+/// Recognises a `;` in place of `:` or `,` in a header: `(x; int)`, `(x; y: int)`.
 pub(super) fn semi_in_head(found: &Found<'_, '_>) -> Option<Habit> {
     use Token::{Colon, Comma, Ident, LParen, RParen, Semi};
     let at = found.fault.at;
@@ -347,14 +350,14 @@ pub(super) fn semi_in_head(found: &Found<'_, '_>) -> Option<Habit> {
         ty if is_type_word(ty) && ends => {
             let message = format!("expected `:` after `{}`", found.written(at - 1));
             let finding = Finding::new(Code::RPI0001, message);
-            (Colon, finding, "its type follows")
+            (Colon, finding, "the type follows")
         }
         Ident if matches!(found.token(at + 2), Some(Colon | Comma)) => {
-            let finding = habit("names of one type are kept apart by `,`");
+            let finding = habit("names of the same type are separated by `,`");
             (
                 Comma,
                 finding,
-                "`;` ends a declaration, and no type has been said",
+                "`;` ends a declaration, which has no type yet",
             )
         }
         _ => return None,
@@ -363,7 +366,7 @@ pub(super) fn semi_in_head(found: &Found<'_, '_>) -> Option<Habit> {
     let finding = message
         .at(span, seen)
         .fix(Fix::maybe(format!("write `{sign}`")).replace(span, sign));
-    // Whether the names before it are of the type behind it is not said.
+    // The names before the `;` need not have the type after it, so the `,` is not taken for granted.
     let mend = match meant {
         Colon => Mend::Tokens(vec![found.instead(at, &[meant])]),
         _ => Mend::Usual,

@@ -1,4 +1,4 @@
-//! Habits around changed values: `(p with .x = 1; [2] = 3)`.
+//! Errors in functional updates of values: `(p with .x = 1; [2] = 3)`.
 
 use super::operators::operand;
 use super::{Habit, Mend, habit};
@@ -6,18 +6,19 @@ use crate::explain::Found;
 use crate::token::Token;
 use rpi_diag::Fix;
 
-/// `y = a with [1] = 7;`
+/// Recognises an update without parentheses: `y = a with [1] = 7;`.
 pub(super) fn no_parentheses(found: &Found<'_, '_>) -> Option<Habit> {
     let at = found.fault.at;
-    // That a value was complete is known from what may follow it: after `with` the grammar looks no further.
+    // On `with`, the parser has already reduced the value and no longer expects operators. That it expects `;`, `,` or
+    // `)` shows that a value is complete.
     let ends = [Token::Semi, Token::Comma, Token::RParen];
     let is_value = ends.into_iter().any(|token| found.expects(token));
     if found.token(at) != Some(Token::With) || !is_value {
         return None;
     }
     let (start, end) = operand(found, at);
-    let title = "put it in parentheses";
-    // Of what is computed it is not said which part changes.
+    let title = "add parentheses";
+    // In a computed value, it is not clear to which operand the update applies.
     let is_part = |token| {
         matches!(
             token,
@@ -31,7 +32,7 @@ pub(super) fn no_parentheses(found: &Found<'_, '_>) -> Option<Habit> {
         true => Fix::sure(title),
         false => Fix::maybe(title),
     };
-    let finding = habit("a changed value stands in parentheses")
+    let finding = habit("an update of a value is written in parentheses")
         .at(found.span_at(at), "`(a with [1] = x)`")
         .fix(
             fix.insert_before(found.span_at(start), "(")
@@ -44,7 +45,7 @@ pub(super) fn no_parentheses(found: &Found<'_, '_>) -> Option<Habit> {
     Some(Habit { finding, mend })
 }
 
-/// `(p with x = 1)`
+/// Recognises an updated field without its dot: `(p with x = 1)`.
 pub(super) fn no_dot(found: &Found<'_, '_>) -> Option<Habit> {
     let at = found.fault.at;
     let is_path = found.expects(Token::Dot) && found.expects(Token::LBracket);
@@ -53,9 +54,9 @@ pub(super) fn no_dot(found: &Found<'_, '_>) -> Option<Habit> {
     if !is_name || !is_path || !begins || found.expects(Token::Plus) {
         return None;
     }
-    let finding = habit("a field that changes is written with its dot")
+    let finding = habit("an updated field is written with a dot")
         .at(found.span_at(at), format!("`.{}`", found.written(at)))
-        .fix(Fix::sure("write the dot").insert_before(found.span_at(at), "."));
+        .fix(Fix::sure("insert `.`").insert_before(found.span_at(at), "."));
     let mend = Mend::Tokens(vec![found.before_token(at, Token::Dot)]);
     Some(Habit { finding, mend })
 }

@@ -1,12 +1,12 @@
-//! Habits in the value of an equation: several values without parentheses, choices as of other languages, operators
-//! as arguments.
+//! Errors in the right side of an equation: tuples without parentheses, foreign conditional expressions, operators as
+//! arguments.
 
 use super::{Habit, Mend, habit};
 use crate::explain::Found;
 use crate::token::Token;
 use rpi_diag::{Applicability, Fix};
 
-/// `y = x;;`
+/// Recognises a doubled `;` after an equation: `y = x;;`.
 pub(super) fn empty(found: &Found<'_, '_>) -> Option<Habit> {
     let at = found.fault.at;
     let is_second = found.token_before() == Some(Token::Semi);
@@ -14,13 +14,13 @@ pub(super) fn empty(found: &Found<'_, '_>) -> Option<Habit> {
         return None;
     }
     let finding = habit("an equation ends with one `;`")
-        .at(found.span_at(at), "ends nothing")
+        .at(found.span_at(at), "unexpected second `;`")
         .fix(Fix::sure("delete it").replace(found.span_at(at), ""));
     let mend = Mend::Tokens(vec![(at..at + 1, Vec::new())]);
     Some(Habit { finding, mend })
 }
 
-/// `y, z = a, b;`
+/// Recognises several values without parentheses: `y, z = a, b;`.
 pub(super) fn no_tuple(found: &Found<'_, '_>) -> Option<Habit> {
     let at = found.fault.at;
     if found.token(at) != Some(Token::Comma) || !found.expects(Token::Semi) {
@@ -36,14 +36,14 @@ pub(super) fn no_tuple(found: &Found<'_, '_>) -> Option<Habit> {
     if !several || phrase.end <= at + 1 {
         return None;
     }
-    // What such a word reaches over is not said.
+    // It is not clear whether such an operator applies to one value or to all.
     let reaches = |i: usize| matches!(found.token(i), Some(Token::If | Token::With | Token::When));
-    let title = "put them in parentheses";
+    let title = "add parentheses";
     let fix = match (eq + 1..phrase.end).any(reaches) {
         true => Fix::maybe(title),
         false => Fix::sure(title),
     };
-    let finding = habit("several values stand in parentheses")
+    let finding = habit("several values are written in parentheses")
         .at(found.span_at(at), "`(a, b)`")
         .fix(
             fix.insert_before(found.span_at(eq + 1), "(")
@@ -56,7 +56,7 @@ pub(super) fn no_tuple(found: &Found<'_, '_>) -> Option<Habit> {
     Some(Habit { finding, mend })
 }
 
-/// `y = n++;`
+/// Recognises an increment: `y = n++;`.
 pub(super) fn stepped(found: &Found<'_, '_>) -> Option<Habit> {
     let at = found.fault.at;
     let is_plus = found.token(at) == Some(Token::Plus) && found.token_before() == Some(Token::Plus);
@@ -71,10 +71,10 @@ pub(super) fn stepped(found: &Found<'_, '_>) -> Option<Habit> {
         return None;
     }
     let signs = found.span_of(at - 1..at + 1);
-    let finding = habit("a flow is not changed where it is read")
-        .at(signs, "changes it as elsewhere a variable")
+    let finding = habit("an expression cannot change a flow")
+        .at(signs, "increments it like a variable")
         .help(format!(
-            "one more is `{} + 1`; what counts has an equation of its own: `n = 0 -> pre n + 1`",
+            "write `{} + 1`; a counter needs an equation of its own: `n = 0 -> pre n + 1`",
             found.written(name)
         ))
         .fix(Fix::maybe("write `+ 1`").replace(signs, " + 1"));
@@ -82,7 +82,7 @@ pub(super) fn stepped(found: &Found<'_, '_>) -> Option<Habit> {
     Some(Habit { finding, mend })
 }
 
-/// The words of a choice as Structured Text writes them, with what is written here.
+/// Keywords of conditional expressions in Structured Text: foreign spellings, RPI text, RPI tokens.
 const CAPITALS: [(&[&str], &str, &[Token]); 5] = [
     (&["if"], "if", &[Token::If]),
     (&["then"], "then", &[Token::Then]),
@@ -95,7 +95,7 @@ const CAPITALS: [(&[&str], &str, &[Token]); 5] = [
     (&["end_if"], "", &[]),
 ];
 
-/// `y = IF c THEN a ELSE b;`, `y = IF c THEN a ELSIF d THEN b ELSE x END_IF;`
+/// Recognises a conditional in upper case: `y = IF c THEN a ELSE b;`, `y = IF c THEN a ELSIF d THEN b ELSE x END_IF;`.
 pub(super) fn capitals(found: &Found<'_, '_>) -> Option<Habit> {
     let first = found.fault.at.checked_sub(1)?;
     let phrase = found.structure.phrase(first);
@@ -106,7 +106,7 @@ pub(super) fn capitals(found: &Found<'_, '_>) -> Option<Habit> {
     if !is(first, "if") || first == phrase.start || !has_then {
         return None;
     }
-    let mut fix = Fix::sure("write small letters");
+    let mut fix = Fix::sure("write it in lower case");
     let mut edits = Vec::new();
     for at in first..phrase.end {
         let known = CAPITALS
@@ -125,8 +125,8 @@ pub(super) fn capitals(found: &Found<'_, '_>) -> Option<Habit> {
         };
         edits.push(found.instead(at, tokens));
     }
-    let finding = habit("a choice is written `if c then x else y`")
-        .at(found.span_at(first), "words are written in small letters")
+    let finding = habit("a conditional expression is written `if c then x else y`")
+        .at(found.span_at(first), "keywords are written in lower case")
         .fix(fix);
     Some(Habit {
         finding,
@@ -134,7 +134,7 @@ pub(super) fn capitals(found: &Found<'_, '_>) -> Option<Habit> {
     })
 }
 
-/// `y = if (c) {a} else {b};`
+/// Recognises a conditional with braces: `y = if (c) {a} else {b};`.
 pub(super) fn braces(found: &Found<'_, '_>) -> Option<Habit> {
     use Token::{Else, If, LBrace, Then};
     let at = found.fault.at;
@@ -172,12 +172,12 @@ pub(super) fn braces(found: &Found<'_, '_>) -> Option<Habit> {
             _ => return None,
         }
     };
-    // What follows the last brace would belong to the last value.
+    // Without its braces, the last value would extend over the following operators.
     if !ends_value(found, last + 1) {
         fix.applicability = Applicability::Maybe;
     }
-    let finding = habit("a choice is written `if c then x else y`")
-        .at(found.span_at(at), "no braces go around a value")
+    let finding = habit("a conditional expression is written `if c then x else y`")
+        .at(found.span_at(at), "a value cannot be in braces")
         .fix(fix);
     Some(Habit {
         finding,
@@ -185,7 +185,7 @@ pub(super) fn braces(found: &Found<'_, '_>) -> Option<Habit> {
     })
 }
 
-/// Whether nothing goes on at a token.
+/// Returns whether token `at` ends the expression before it.
 fn ends_value(found: &Found<'_, '_>, at: usize) -> bool {
     use Token::{Comma, RBrace, RBracket, RParen, Semi};
     matches!(
@@ -194,7 +194,7 @@ fn ends_value(found: &Found<'_, '_>, at: usize) -> bool {
     )
 }
 
-/// A word in the place of a sign, with the space that keeps what stands around it apart.
+/// Returns `word` with the spaces that it needs when it replaces token `at`; a space may remain for an empty word.
 fn word_for(found: &Found<'_, '_>, at: usize, word: &str) -> String {
     let place = found.span_at(at);
     let before = found.cx.text[..place.start as usize].chars().next_back();
@@ -215,14 +215,14 @@ fn word_for(found: &Found<'_, '_>, at: usize, word: &str) -> String {
     format!("{}{word}{}", space(before), space(after))
 }
 
-/// Where a brace is closed that holds a value.
+/// Returns the closing brace of a pair that encloses a value.
 fn closing(found: &Found<'_, '_>, open: usize) -> Option<usize> {
     let close = found.structure.partner(open)?;
     let is_value = close > open + 1 && found.token(close - 1) != Some(Token::Semi);
     (is_value && found.token(close) == Some(Token::RBrace)).then_some(close)
 }
 
-/// `fby(x, 1, 0)`
+/// Recognises `fby` in the syntax of SCADE: `fby(x, 1, 0)`.
 pub(super) fn fby_called(found: &Found<'_, '_>) -> Option<Habit> {
     let at = found.fault.at;
     if found.token(at) != Some(Token::Fby)
@@ -231,9 +231,9 @@ pub(super) fn fby_called(found: &Found<'_, '_>) -> Option<Habit> {
     {
         return None;
     }
-    let finding = habit("`fby` stands between a first value and a flow")
-        .at(found.span_at(at), "is not called")
-        .help("`0 fby x` is 0 in the first cycle, then `x` of the cycle before; two cycles late it is `0 fby 0 fby x`");
+    let finding = habit("`fby` is written between an initial value and a flow")
+        .at(found.span_at(at), "`fby` is not a function")
+        .help("`0 fby x` is 0 in the first cycle, then `x` of the previous cycle; a delay of two cycles is `0 fby 0 fby x`");
     let meant = one_late(found, at + 1);
     let finding = match (found.structure.partner(at + 1), meant) {
         (Some(close), Some(meant)) => {
@@ -255,7 +255,7 @@ pub(super) fn fby_called(found: &Found<'_, '_>) -> Option<Habit> {
     })
 }
 
-/// `0 fby x` for the arguments `(x, 1, 0)`.
+/// Returns `0 fby x` for the arguments `(x, 1, 0)`, if the delay is one cycle.
 fn one_late(found: &Found<'_, '_>, open: usize) -> Option<String> {
     let close = found.structure.partner(open)?;
     let is_comma = |i: &usize| {
@@ -275,7 +275,7 @@ fn one_late(found: &Found<'_, '_>, open: usize) -> Option<String> {
     })
 }
 
-/// `reduce(+, a)`
+/// Recognises an operator as an argument: `reduce(+, a)`.
 pub(super) fn operator_given(found: &Found<'_, '_>) -> Option<Habit> {
     use Token::{And, Minus, Or, Plus, Slash, Star, Xor};
     let at = found.fault.at;
@@ -304,8 +304,8 @@ pub(super) fn operator_given(found: &Found<'_, '_>) -> Option<Habit> {
             format!("red<<{op}, 3>>({first}, a)")
         }
     };
-    let finding = habit("an operator is given in `<< >>`, with the size of the array")
-        .at(found.span_at(at), "is no value")
+    let finding = habit("an operator is passed in `<< >>`, with the size of the array")
+        .at(found.span_at(at), "an operator is not a value")
         .help(format!("for an array of 3 it is `{meant}`"));
     Some(Habit {
         finding,

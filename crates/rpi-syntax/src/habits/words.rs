@@ -1,11 +1,11 @@
-//! Operators that other languages write as words, or in other letters: `x is 3`, `NOT c`, `prev x`.
+//! Operators spelt as words or in upper case in other languages: `x is 3`, `NOT c`, `prev x`.
 
 use super::{Habit, Mend, habit};
 use crate::explain::Found;
 use crate::token::Token;
 use rpi_diag::{Code, Finding, Fix};
 
-/// Operators between operands, in small letters.
+/// Binary operators of other languages, in lower case, with the equivalent RPI tokens.
 const INFIX: &[(&[&str], Token)] = &[
     (&["and", "andalso", "und", "et"], Token::And),
     (&["or", "orelse", "oder"], Token::Or),
@@ -26,7 +26,7 @@ const INFIX: &[(&[&str], Token)] = &[
     (&["fby"], Token::Fby),
 ];
 
-/// Operators before an operand.
+/// Prefix operators of other languages, in lower case, with the equivalent RPI tokens.
 const PREFIX: &[(&[&str], Token)] = &[
     (&["not", "nicht"], Token::Not),
     (&["pre", "prev", "previous", "old"], Token::Pre),
@@ -36,7 +36,7 @@ const PREFIX: &[(&[&str], Token)] = &[
     (&["real", "float", "double"], Token::RealType),
 ];
 
-/// `x is 3`, `c OR d`
+/// Recognises a binary operator spelt as a word: `x is 3`, `c OR d`.
 pub(super) fn infix(found: &Found<'_, '_>) -> Option<Habit> {
     let at = found.fault.at;
     let is_reserved = |token: Token| {
@@ -54,7 +54,7 @@ pub(super) fn infix(found: &Found<'_, '_>) -> Option<Habit> {
     Some(written(found, at, token))
 }
 
-/// `NOT c`, `prev x`: the word was taken for the name of a flow.
+/// Recognises a prefix operator that the grammar took for the name of a flow: `NOT c`, `prev x`.
 pub(super) fn prefix(found: &Found<'_, '_>) -> Option<Habit> {
     let at = found.fault.at.checked_sub(1)?;
     let is_word =
@@ -67,7 +67,7 @@ pub(super) fn prefix(found: &Found<'_, '_>) -> Option<Habit> {
     Some(written(found, at, token))
 }
 
-/// An operator that nearly has this name.
+/// Returns the prefix operator that `word` is a misspelling of.
 fn near(found: &Found<'_, '_>, word: &str) -> Option<Token> {
     const WORDS: [Token; 4] = [Token::Not, Token::Pre, Token::Last, Token::Current];
     let is_there = |token: &&Token| token.keyword().is_some_and(|k| k.is_in(found.cx.mode));
@@ -79,20 +79,22 @@ fn near(found: &Found<'_, '_>, word: &str) -> Option<Token> {
     Token::of_spelling(&meant)
 }
 
+/// Looks up a word in a table, ignoring case.
 fn look(table: &[(&[&str], Token)], word: &str) -> Option<Token> {
     let word = word.to_ascii_lowercase();
     let row = table.iter().find(|(words, _)| words.contains(&&*word));
     row.map(|(_, token)| *token)
 }
 
+/// Reports that the word at token `at` means the operator `token`, and replaces it.
 fn written(found: &Found<'_, '_>, at: usize, token: Token) -> Habit {
     let meant = token.spelling().unwrap_or_default();
     let span = found.span_at(at);
     let word = found.written(at);
-    let message = format!("`{word}` is no operator here");
+    let message = format!("`{word}` is not an operator");
     let finding = match word.eq_ignore_ascii_case(meant) {
-        true => habit(format!("`{meant}` is written in small letters"))
-            .at(span, format!("here it is `{meant}`")),
+        true => habit(format!("`{meant}` is written in lower case"))
+            .at(span, format!("expected `{meant}`")),
         false => Finding::new(Code::RPI0001, message).at(span, format!("did you mean `{meant}`?")),
     };
     Habit {
@@ -101,7 +103,7 @@ fn written(found: &Found<'_, '_>, at: usize, token: Token) -> Habit {
     }
 }
 
-/// Whether a value is expected where a token stands: behind an operator or an opening bracket.
+/// Returns whether token `at` is in the position of an operand: after an operator or an opening bracket.
 pub(super) fn stands_for_operand(found: &Found<'_, '_>, at: usize) -> bool {
     use Token::{
         And, Arrow, Assert, Coalesce, Comma, Div, Else, Eq, Ge, Gt, If, Implies, LBracket, LParen,
@@ -143,7 +145,7 @@ pub(super) fn stands_for_operand(found: &Found<'_, '_>, at: usize) -> bool {
     )
 }
 
-/// Whether a value begins at a token, on the same line.
+/// Returns whether an operand begins at token `at`, on the same line as the token before.
 pub(super) fn begins_operand(found: &Found<'_, '_>, at: usize) -> bool {
     use Token::{False, Ident, Int, LParen, Minus, Not, Path, Pre, Real, True};
     let begins = matches!(
@@ -158,30 +160,30 @@ pub(super) fn begins_operand(found: &Found<'_, '_>, at: usize) -> bool {
             .contains('\n')
 }
 
-/// `bool(x)`
+/// Recognises a conversion to `bool`: `bool(x)`.
 pub(super) fn truth(found: &Found<'_, '_>) -> Option<Habit> {
     let at = found.fault.at;
     let is_value = found.token(at) == Some(Token::BoolType) && found.expects(Token::Int);
     if !is_value || !stands_for_operand(found, at) {
         return None;
     }
-    let finding = habit("a condition is a comparison")
-        .at(found.span_at(at), "no conversion")
-        .help("`x <> 0` is true where `x` is not 0");
+    let finding = habit("a number cannot be converted to `bool`; compare it")
+        .at(found.span_at(at), "not a conversion")
+        .help("`x <> 0` is true when `x` is not 0");
     Some(Habit {
         finding,
         mend: Mend::Usual,
     })
 }
 
-/// `3 times c`
+/// Recognises a counted condition: `3 times c`.
 pub(super) fn times(found: &Found<'_, '_>) -> Option<Habit> {
     let at = found.fault.at;
     let is_count = matches!(found.token_before(), Some(Token::Int | Token::Ident));
     if found.written(at) != "times" || found.in_task() || !is_count {
         return None;
     }
-    let finding = habit("how often a condition held is counted by an equation")
+    let finding = habit("count the cycles of a condition with an equation")
         .at(found.span_at(at), "`times` repeats the steps of a task")
         .help("`k = if c then 1 else 0; n = k -> pre n + k;`, then `n = 3`");
     Some(Habit {

@@ -1,7 +1,7 @@
-//! Marks by which other languages begin comments: `//`, `#` and `%`.
+//! Comment marks of other languages: `//`, `#` and `%`.
 //!
-//! Each of them is an operator elsewhere, too. So a mark behind an operand is only surely a comment if what follows on its line is no
-//! operand.
+//! Each of them is also an operator in some language. So a mark after an operand begins a comment only if the rest of
+//! the line is not an operand.
 
 use super::{Lexeme, Lexer};
 use crate::Mode;
@@ -10,15 +10,16 @@ use crate::{lexical, words};
 use logos::Logos;
 use rpi_diag::{Finding, Span};
 
-/// How many tokens of a line are looked at.
+/// Maximum number of tokens of a line that are inspected.
 const NEAR: usize = 40;
 
-/// Values that no text declares.
+/// Predeclared values, which no source text declares.
 const PREDECLARED: &[&str] = &["dt", "first", "pi", "time"];
 
 impl Lexer<'_> {
-    /// Whether a comment begins at a mark: `#` is an operator before `(`, `%` stands behind a number, and `//` divides
-    /// where it stands between operands.
+    /// Returns whether a mark begins a comment.
+    ///
+    /// `#` before `(` is an operator, `%` after a number means per cent, and `//` between operands is a division.
     pub(super) fn begins_comment(&self, token: Token, text: &str, end: u32) -> bool {
         let rest = &text[end as usize..];
         match token {
@@ -29,7 +30,7 @@ impl Lexer<'_> {
         }
     }
 
-    /// `x // 2`: reported, and read as the quotient.
+    /// Reports a division written as `x // 2`, and pushes the RPI operator.
     pub(super) fn quotient(&mut self, lexeme: Lexeme) {
         let span = self.span(lexeme);
         self.out
@@ -38,9 +39,9 @@ impl Lexer<'_> {
         self.push(Token::Div, lexeme);
     }
 
-    /// A comment that another mark begins, of so many bytes.
+    /// Creates the diagnostic of a comment with a foreign mark. `mark` is the length of the mark in bytes.
     pub(super) fn foreign_comment(&self, span: Span, mark: u32) -> Finding {
-        // Behind a value the text may be an operand that is misspelt, and `#` begins directives.
+        // After a value, the text may be a misspelt operand, and `#` begins directives of C. Then the fix is not sure.
         let behind_end = self.last_token() == Some(Token::End);
         let begins = behind_end || self.begins_phrase();
         let is_slash = self.text[span.start as usize..].starts_with('/');
@@ -51,18 +52,18 @@ impl Lexer<'_> {
         self.out.lexemes.last().map(|lexeme| lexeme.token)
     }
 
-    /// Whether a phrase, or the text, begins here.
+    /// Returns whether a statement, or the text, begins here.
     fn begins_phrase(&self) -> bool {
         let before = self.last_token();
         matches!(before, None | Some(Token::Semi | Token::Let | Token::Tel))
     }
 
-    /// Whether an operand ends before a mark, and the text behind it could be another one with what follows it.
+    /// Returns whether an operand ends before a mark and another one may begin after it.
     fn is_between_operands(&self, rest: &str) -> bool {
         self.last_token().is_some_and(words::ends_value) && self.goes_on(rest)
     }
 
-    /// Whether the rest of a line could go on with an operand: nothing strange is in it, and no two names or numbers in a row.
+    /// Returns whether the rest of a line may be an operand: no unknown character, no two names or numbers in a row.
     fn goes_on(&self, rest: &str) -> bool {
         let line = rest.lines().next().unwrap_or_default();
         let tokens: Vec<_> = Token::lexer(line).spanned().take(NEAR).collect();

@@ -1,4 +1,4 @@
-//! Numbers: checked, and read as what is meant where they are written otherwise.
+//! Lexing of numbers: checks, and conversion of literals of other languages.
 
 use super::{Lexeme, Lexer};
 use crate::Mode;
@@ -9,6 +9,7 @@ use logos::Logos;
 use rpi_diag::Code;
 
 impl Lexer<'_> {
+    /// Checks the range of a number and pushes it.
     pub(super) fn number(&mut self, lexeme: Lexeme) {
         let is_machine = self.is_converted();
         let finding = lexical::check_number(self.span(lexeme), self.slice(lexeme), is_machine);
@@ -16,7 +17,7 @@ impl Lexer<'_> {
         self.push(lexeme.token, lexeme);
     }
 
-    /// `0..` is an integer and the sign `..`.
+    /// Splits `0..` into an integer and the token `..`.
     pub(super) fn int_dot_dot(&mut self, lexeme: Lexeme) {
         let middle = lexeme.end - 2;
         self.number(Lexeme {
@@ -31,7 +32,7 @@ impl Lexer<'_> {
         self.push(Token::DotDot, dots);
     }
 
-    /// The word of the language that a text is, if a number could stand before it.
+    /// Returns the keyword that a text is, if a number may precede it.
     fn word_behind_number(&self, text: &str) -> Option<Token> {
         let token = Token::of_spelling(text)?;
         let word = token.keyword().filter(|word| word.is_in(self.mode))?;
@@ -39,13 +40,13 @@ impl Lexer<'_> {
         is_word.then_some(token)
     }
 
-    /// `250mm/s`: reported, and read as the number with its unit.
+    /// Reports a number that is directly followed by a word, such as `250mm/s`, and pushes a number with its unit.
     pub(super) fn number_word(&mut self, lexeme: Lexeme) {
         let text = self.slice(lexeme);
         let digits = numeral::digits(text);
         let is_foreign = !self.seeming.declares(&text[digits..]);
         if let Some(mut numeral) = numeral::foreign(text).filter(|_| is_foreign) {
-            // `5z` may be a flow `z5`.
+            // `5z` may be a misspelling of a flow `z5`.
             let (number, suffix) = text.split_at(digits);
             numeral.is_sure &= !self.seeming.declares(&format!("{suffix}{number}"));
             return self.literal(lexeme, Code::RPI0007, numeral);
@@ -77,7 +78,7 @@ impl Lexer<'_> {
         }
     }
 
-    /// A name behind a number, as its factor.
+    /// Pushes a name after a number as a factor, with an inserted `*`.
     fn factor(&mut self, lexeme: Lexeme, start: u32) {
         let star = Lexeme {
             token: Token::Star,
@@ -88,7 +89,7 @@ impl Lexer<'_> {
         self.push(Token::Ident, Lexeme { start, ..lexeme });
     }
 
-    /// A unit that lacks its brackets, with them.
+    /// Pushes a unit without brackets, with inserted brackets.
     fn unit(&mut self, text: &str, start: u32) {
         let at = |offset: usize| start + offset as u32;
         let bracket = |token, place| Lexeme {
@@ -107,13 +108,13 @@ impl Lexer<'_> {
             .push(bracket(Token::RBracket, at(text.len())));
     }
 
-    /// `T#500ms`: reported, and read as the number with its unit.
+    /// Reports a literal of IEC 61131-3, such as `T#500ms`, and pushes its RPI equivalent.
     pub(super) fn iec_literal(&mut self, lexeme: Lexeme) {
         let numeral = numeral::typed(self.slice(lexeme));
         self.literal(lexeme, Code::RPI0016, numeral);
     }
 
-    /// A literal of another language.
+    /// Reports a literal of another language and pushes its replacement.
     fn literal(&mut self, lexeme: Lexeme, code: Code, numeral: Numeral) {
         let (span, text) = (self.span(lexeme), self.slice(lexeme));
         self.out
@@ -139,7 +140,7 @@ impl Lexer<'_> {
         }
     }
 
-    /// A unit in its brackets that the text says otherwise.
+    /// Pushes a unit in brackets that has no text of its own, all at offset `at`.
     fn unit_read(&mut self, unit: &str, at: u32) {
         self.out.read_as.insert((at, at), unit.to_owned());
         for token in [Token::LBracket, Token::Ident, Token::RBracket] {
@@ -148,7 +149,7 @@ impl Lexer<'_> {
         }
     }
 
-    /// `(uint64 18446744073709551615)`: whether a number is one for the bits of a machine integer.
+    /// Returns whether a number is converted to a machine integer of Kind 2: `(uint64 18446744073709551615)`.
     fn is_converted(&self) -> bool {
         use Token::{Gt, Int64, LParen, UInt64};
         let mut before = self

@@ -1,21 +1,21 @@
-//! Arrays in a `frame`: `A = e` in one half of it and `A[i] = e` in the other speak of the same flow.
+//! Arrays in a `frame` block that one half defines as a whole, `A = e`, and the other by element, `A[i] = e`.
 
 use super::{Defined, Definition};
 use crate::ast::*;
 use crate::context::Context;
 
-/// How a definition speaks of an array.
+/// Form of the left side of a definition.
 #[derive(Clone, Copy, PartialEq)]
 enum Form {
-    /// `A = e`
+    /// Whole flow: `A = e`.
     Whole,
-    /// `A[i][j] = e`
+    /// Element with the given number of indices: `A[i][j] = e`.
     Elements(usize),
-    /// Something else: a part of a flow, several flows.
+    /// Another part of a flow, or several flows.
     Other,
 }
 
-/// Lets both halves speak of each array in the same way, with the same indices.
+/// Rewrites both halves of a `frame` so that each array has the same left side, with the same index names.
 pub(super) fn same_elements(cx: &Context<'_>, initial: &mut Defined, defined: &mut Defined) {
     for key in initial.order.clone() {
         let Some(first) = initial.by.get(&key).cloned() else {
@@ -45,14 +45,14 @@ pub(super) fn same_elements(cx: &Context<'_>, initial: &mut Defined, defined: &m
 }
 
 impl Context<'_> {
-    /// How a left side is written.
+    /// Returns the source text of a left side, which is its key.
     pub(super) fn written(&self, target: &Target) -> String {
         self.slice(target.span.start, target.span.end).to_owned()
     }
 }
 
 impl Defined {
-    /// Puts a definition in the place of another, under the left side that it has now.
+    /// Replaces the definition with key `old` by another one, under the key of its new left side.
     fn replace(&mut self, old: &str, cx: &Context<'_>, new: Definition) {
         let key = cx.written(&new.targets[0]);
         self.by.remove(old);
@@ -64,6 +64,7 @@ impl Defined {
     }
 }
 
+/// Returns the form of a definition's left side.
 fn form(definition: &Definition) -> Form {
     let [target] = &definition.targets[..] else {
         return Form::Other;
@@ -75,7 +76,7 @@ fn form(definition: &Definition) -> Form {
     }
 }
 
-/// The name that an index is.
+/// Returns the name of an index that is a plain name.
 fn index(step: &Access) -> Option<&Name> {
     match step {
         Access::Index(index) => index.as_name(),
@@ -83,8 +84,9 @@ fn index(step: &Access) -> Option<&Name> {
     }
 }
 
-/// The definition of a whole array as that of each element, with the left side of another, and that other. The indices
-/// are called so that none takes up a name of the whole.
+/// Rewrites the definition of a whole array by element, with the left side of `model`. Returns it and `model`.
+///
+/// Index names of `model` are renamed where they would capture a name of the array's value.
 fn element_of(
     cx: &Context<'_>,
     whole: &Definition,
@@ -120,8 +122,9 @@ fn element_of(
     (element, model)
 }
 
-/// Both with the same names for the indices, and the left side of the second. A name that means something else in one of
-/// the two is not taken.
+/// Rewrites two definitions by element to the same index names and the left side of the second.
+///
+/// Index names are chosen so that they do not capture other names of either value.
 fn with_same_indices(
     cx: &Context<'_>,
     mut first: Definition,
@@ -149,6 +152,7 @@ fn with_same_indices(
     (first, then)
 }
 
+/// Returns whether a name occurs in an expression.
 fn mentions(expr: &Expr, name: &Name) -> bool {
     let is_clock = matches!(&expr.kind, ExprKind::When(of) if of.clock.flow.name == *name);
     is_clock
@@ -156,7 +160,7 @@ fn mentions(expr: &Expr, name: &Name) -> bool {
         || expr.children().into_iter().any(|part| mentions(part, name))
 }
 
-/// Calls an index something else; where a quantifier or a case of a `match` declares the name, it is none.
+/// Renames an index in an expression, except where a quantifier or `match` arm declares the same name.
 fn rename(expr: &mut Expr, from: &Name, to: &Name) {
     match &mut expr.kind {
         ExprKind::Name(name) if name == from => name.clone_from(to),
@@ -182,7 +186,7 @@ fn declares(vars: &[VarDecl], name: &Name) -> bool {
     names.any(|declared| declared.name == *name)
 }
 
-/// The flow that an expression is, or is an element or field of.
+/// Returns the flow that an expression denotes, or whose element or field it denotes.
 pub(super) fn of_element(expr: &Expr) -> Option<&Name> {
     let mut base = expr.unparen();
     loop {

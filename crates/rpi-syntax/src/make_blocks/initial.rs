@@ -1,5 +1,7 @@
-//! `last x` in a `frame`: the value one cycle before, in the first cycle what the frame says before `let`. What no branch defines
-//! is `last` of itself.
+//! Desugaring of `last x` in a `frame` block.
+//!
+//! `last x` is the value of the previous cycle. In the first cycle, it is the value that the frame gives before `let`.
+//! A flow that no branch defines is `last` of itself.
 
 use super::frames::of_element;
 use super::{Defined, Definition, arrow};
@@ -8,8 +10,9 @@ use crate::ops::UnaryOp;
 use rpi_diag::Span;
 use std::collections::BTreeSet;
 
-/// Writes `first -> pre x` for each `last x` of these flows; `pre x` where nothing is said of the beginning. What a call says of
-/// several flows at once has no parts: then all of them begin with it, whatever the block says of the first cycle.
+/// Replaces each `last x` of the frame's flows by `first -> pre x`, or by `pre x` without an initial value.
+///
+/// An initial value of several flows from one call cannot be split. Then the whole definition begins with that call.
 pub(super) fn begin(definition: &mut Definition, initial: &Defined, names: &BTreeSet<&Name>) {
     let value = &mut definition.value;
     push_index(value);
@@ -41,7 +44,8 @@ pub(super) fn begin(definition: &mut Definition, initial: &Defined, names: &BTre
     }
 }
 
-/// `(if c then x else last A)[k]` as `if c then x[k] else last A[k]`: what is said of the beginning may be said of elements.
+/// Moves an index into conditionals: `(if c then x else last A)[k]` becomes `if c then x[k] else last A[k]`.
+// Initial values may be given by element, so `last` must apply to elements.
 fn push_index(expr: &mut Expr) {
     let ExprKind::Index(of) = &mut expr.kind else {
         return;
@@ -71,7 +75,7 @@ fn push_index(expr: &mut Expr) {
     };
 }
 
-/// What is said of a flow, or of a part of one, before `let`.
+/// Returns the initial value of a flow, or of a part of a flow.
 fn first_of(place: &Expr, initial: &Defined) -> Option<Expr> {
     let name = of_element(place)?;
     let alone = |d: &&Definition| matches!(&d.targets[..], [one] if is_at(one, place));
@@ -93,7 +97,7 @@ fn first_of(place: &Expr, initial: &Defined) -> Option<Expr> {
     })
 }
 
-/// Its value among those of several, `x, y = (1, 2)`.
+/// Returns the initial value of a flow from a definition of several flows: `x, y = (1, 2)`.
 fn in_group(place: &Expr, initial: &Defined) -> Option<Expr> {
     let mut groups = initial.of(of_element(place)?);
     groups.find_map(|d| {
@@ -105,7 +109,7 @@ fn in_group(place: &Expr, initial: &Defined) -> Option<Expr> {
     })
 }
 
-/// Whether an expression is what a target names.
+/// Returns whether an expression denotes the same flow, or part of a flow, as a target.
 fn is_at(target: &Target, place: &Expr) -> bool {
     let mut place = place.unparen();
     for access in target.path.iter().rev() {
@@ -124,7 +128,7 @@ fn is_at(target: &Target, place: &Expr) -> bool {
     place.as_name() == Some(&target.name.name)
 }
 
-/// What a call says of all flows whose `last` these are, `(last x, last y)`: by now each of them is `pre`.
+/// Returns the common initial value of all flows in a tuple `(last x, last y)`, whose `last` has become `pre`.
 fn first_of_all(part: &Expr, initial: &Defined) -> Option<Expr> {
     let ExprKind::Tuple(values) = &part.kind else {
         return None;
@@ -143,7 +147,7 @@ fn first_of_all(part: &Expr, initial: &Defined) -> Option<Expr> {
     found.map(|d| d.value.clone())
 }
 
-/// Stands for an expression for a moment.
+/// Returns a placeholder for `mem::replace`.
 fn nothing() -> Expr {
     Expr {
         kind: ExprKind::Bool(false),

@@ -1,6 +1,6 @@
-//! Durations of IEC 61131-3: `T#1m30s`.
+//! Duration literals of IEC 61131-3, such as `T#1m30s`.
 
-/// Units of a duration there and here, and their length in nanoseconds; the longest first.
+/// Units of a duration: IEC name, RPI name, length in nanoseconds. The longest unit is first.
 const UNITS: &[(&str, &str, u64)] = &[
     ("d", "d", 86_400_000_000_000),
     ("h", "h", 3_600_000_000_000),
@@ -11,17 +11,17 @@ const UNITS: &[(&str, &str, u64)] = &[
     ("ns", "ns", 1),
 ];
 
-/// One number of a duration with its unit, as a row of the table.
+/// Number of a duration and the index of its unit in the table.
 type Part<'t> = (&'t str, usize);
 
-/// The number and unit that a duration is written with here. [`None`] if it is none.
+/// Converts a duration without its prefix to a number and an RPI unit: its smallest one. Returns [`None`] if malformed.
 pub(super) fn read(text: &str) -> Option<(String, &'static str)> {
     let text = text.to_ascii_lowercase().replace('_', "");
     let mut parts = Vec::new();
     let mut rest = text.as_str();
     while !rest.is_empty() {
         let (part, next) = part(rest)?;
-        // Each unit is shorter than the one before it.
+        // IEC 61131-3 requires units in descending order.
         if parts.last().is_some_and(|(_, unit)| *unit >= part.1) {
             return None;
         }
@@ -43,7 +43,7 @@ pub(super) fn read(text: &str) -> Option<(String, &'static str)> {
     Some((number, name))
 }
 
-/// The first number with its unit, and what follows.
+/// Splits off the first number with its unit, and returns the rest of the text.
 fn part(text: &str) -> Option<(Part<'_>, &str)> {
     let end = text.find(|c: char| !c.is_ascii_digit() && c != '.')?;
     let (number, rest) = text.split_at(end);

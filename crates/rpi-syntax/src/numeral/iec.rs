@@ -1,11 +1,14 @@
-//! Literals with `#`, as in IEC 61131-3: `16#FF`, `T#500ms`, `INT#5`, `BOOL#TRUE`, `Mode#Idle`.
+//! Literals of IEC 61131-3 with `#`: `16#FF`, `T#500ms`, `INT#5`, `BOOL#TRUE`, `Mode#Idle`.
 
 use super::{Numeral, Read, duration};
 
-const SEEN: &str = "a literal of IEC 61131-3";
+/// Label of the diagnostics.
+const SEEN: &str = "literal of IEC 61131-3";
 
+/// Prefixes of durations, in lower case.
 const DURATIONS: &[&str] = &["t", "time", "lt", "ltime"];
 
+/// Prefixes of dates and times of day, in lower case.
 const DATES: &[&str] = &[
     "d",
     "date",
@@ -19,14 +22,16 @@ const DATES: &[&str] = &[
     "ldt",
 ];
 
+/// Prefixes of integers and bit strings, in lower case.
 const INTEGERS: &[&str] = &[
     "sint", "int", "dint", "lint", "usint", "uint", "udint", "ulint", "byte", "word", "dword",
     "lword",
 ];
 
+/// Prefixes of real numbers, in lower case.
 const REALS: &[&str] = &["real", "lreal"];
 
-/// Reads a text with `#` in it.
+/// Converts a literal with `#` by its prefix.
 pub(crate) fn typed(text: &str) -> Numeral {
     let (head, body) = text.split_once('#').unwrap_or(("", text));
     let lower = head.to_ascii_lowercase();
@@ -35,7 +40,7 @@ pub(crate) fn typed(text: &str) -> Numeral {
         Ok(base) => based(base, text, body),
         Err(_) if is(DURATIONS) => timed(body),
         Err(_) if is(DATES) => {
-            Numeral::unknown("there are no dates and times of day".to_owned(), SEEN)
+            Numeral::unknown("dates and times of day are not supported".to_owned(), SEEN)
         }
         Err(_) if is(INTEGERS) => integer(text, body),
         Err(_) if is(REALS) => real(body),
@@ -44,17 +49,17 @@ pub(crate) fn typed(text: &str) -> Numeral {
     }
 }
 
-/// The value of digits to a base.
+/// Returns the value of digits in a base from 2 to 36.
 fn value(base: u32, digits: &str) -> Option<u64> {
     let digits = digits.replace('_', "");
     let is_base = (2..=36).contains(&base);
     is_base.then(|| u64::from_str_radix(&digits, base).ok())?
 }
 
-/// `16#FF`
+/// Converts a based integer: `16#FF`.
 fn based(base: u32, text: &str, digits: &str) -> Numeral {
     let Some(value) = value(base, digits) else {
-        return Numeral::unknown(format!("`{text}` is no number"), SEEN);
+        return Numeral::unknown(format!("`{text}` is not a valid number"), SEEN);
     };
     let meant = match base {
         16 => format!("0x{}", digits.replace('_', "")),
@@ -63,7 +68,7 @@ fn based(base: u32, text: &str, digits: &str) -> Numeral {
     Numeral::number(format!("this number is written `{meant}`"), SEEN, meant)
 }
 
-/// `T#500ms`
+/// Converts a duration: `T#500ms`.
 fn timed(body: &str) -> Numeral {
     let (sign, length) = match body.strip_prefix(['+', '-']) {
         Some(length) if body.starts_with('-') => ("-", length),
@@ -72,7 +77,7 @@ fn timed(body: &str) -> Numeral {
     };
     let Some((number, unit)) = duration::read(length) else {
         return Numeral::unknown(
-            "a duration is a number with its unit: `500[ms]`".to_owned(),
+            "a duration is a number with a unit: `500[ms]`".to_owned(),
             SEEN,
         );
     };
@@ -83,7 +88,7 @@ fn timed(body: &str) -> Numeral {
     }
 }
 
-/// `INT#5`, `WORD#16#FF`
+/// Converts a typed integer: `INT#5`, `WORD#16#FF`.
 fn integer(text: &str, body: &str) -> Numeral {
     let (sign, digits) = match body.strip_prefix('-') {
         Some(digits) => ("-", digits),
@@ -94,21 +99,21 @@ fn integer(text: &str, body: &str) -> Numeral {
         None => value(10, digits),
     };
     match plain {
-        // What every type has is worth the same without it; more may be a pattern of bits.
+        // A value that every integer type can hold is the same without the type. A larger one may be a bit pattern.
         Some(value) => Numeral {
             read: Read::Number(value.to_string(), None),
             is_sure: sign.is_empty() && value <= super::SMALL,
             ..Numeral::number(
-                "a number is written without its type".to_owned(),
+                "a number is written without a type prefix".to_owned(),
                 SEEN,
                 format!("{sign}{value}"),
             )
         },
-        None => Numeral::unknown(format!("`{text}` is no number"), SEEN),
+        None => Numeral::unknown(format!("`{text}` is not a valid number"), SEEN),
     }
 }
 
-/// `REAL#1.5`
+/// Converts a typed real number: `REAL#1.5`.
 fn real(body: &str) -> Numeral {
     let plain = body.replace('_', "");
     let digits = plain.trim_start_matches(['+', '-']);
@@ -118,7 +123,7 @@ fn real(body: &str) -> Numeral {
     } else {
         ".0"
     };
-    let message = "a number is written without its type".to_owned();
+    let message = "a number is written without a type prefix".to_owned();
     match is_number {
         true => Numeral {
             read: Read::Number(format!("{digits}{dot}"), None),
@@ -132,7 +137,7 @@ fn real(body: &str) -> Numeral {
     }
 }
 
-/// `BOOL#TRUE`
+/// Converts a typed Boolean: `BOOL#TRUE`.
 fn truth(body: &str) -> Numeral {
     let value = matches!(body.to_ascii_lowercase().as_str(), "true" | "1");
     let meant = value.to_string();
@@ -141,20 +146,26 @@ fn truth(body: &str) -> Numeral {
         meant: is_known.then(|| meant.clone()),
         is_sure: is_known,
         read: Read::Bool(value),
-        ..Numeral::unknown("a value is written without its type".to_owned(), SEEN)
+        ..Numeral::unknown(
+            "a Boolean is written without a type prefix".to_owned(),
+            SEEN,
+        )
     }
 }
 
-/// `Mode#Idle`: most likely a value of an enum.
+/// Converts a literal with an unknown prefix, most likely a value of an enum: `Mode#Idle`.
 fn named(text: &str, body: &str) -> Numeral {
     let is_name = body.starts_with(|c: char| c.is_ascii_alphabetic()) && !body.contains(['#', '.']);
     match is_name {
         true => Numeral {
             meant: Some(body.to_owned()),
             read: Read::Name(body.to_owned()),
-            ..Numeral::unknown("a value of an enum is a name by itself".to_owned(), SEEN)
+            ..Numeral::unknown(
+                "a value of an enum is written without its type".to_owned(),
+                SEEN,
+            )
         },
-        false => Numeral::unknown(format!("`{text}` is no literal"), SEEN),
+        false => Numeral::unknown(format!("`{text}` is not a valid literal"), SEEN),
     }
 }
 

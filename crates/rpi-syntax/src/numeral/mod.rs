@@ -1,40 +1,40 @@
-//! Numbers and other literals as other languages write them: what they are worth, and how the same is written here.
+//! Literals of other languages: their values and the equivalent RPI literals.
 //!
-//! Only the texts are looked at; which of them is a literal, and what follows from it, is known to the lexer.
+//! This module works on the text of a literal only. The lexer finds the literals and reports the diagnostics.
 
 mod duration;
 mod iec;
 
 pub(crate) use iec::typed;
 
-/// A literal of another language.
+/// Literal of another language, with its diagnostic and replacement.
 #[derive(PartialEq, Debug)]
 pub(crate) struct Numeral {
-    /// What is wrong.
+    /// Message of the diagnostic.
     pub(crate) message: String,
-    /// What is to be seen at its place.
+    /// Label at the literal.
     pub(crate) seen: &'static str,
-    /// What to write instead, if it can be said.
+    /// Equivalent RPI text for the fix, if there is one.
     pub(crate) meant: Option<String>,
-    /// Whether nothing else can be meant.
+    /// Whether the fix certainly keeps the value, so that it can be applied automatically.
     pub(crate) is_sure: bool,
-    /// What the text is read as.
+    /// Replacement in the syntax tree.
     pub(crate) read: Read,
 }
 
-/// What stands for a literal of another language in the tree.
+/// Replacement of a foreign literal in the syntax tree.
 #[derive(PartialEq, Debug)]
 pub(crate) enum Read {
-    /// A number, maybe with its unit.
+    /// Number with an optional unit.
     Number(String, Option<&'static str>),
-    /// `true` or `false`.
+    /// Boolean literal.
     Bool(bool),
-    /// A name.
+    /// Name, such as a value of an enum.
     Name(String),
 }
 
 impl Numeral {
-    /// A literal that is a number here.
+    /// Creates a literal that is equivalent to the RPI number `text`.
     fn number(message: String, seen: &'static str, text: String) -> Numeral {
         Numeral {
             message,
@@ -45,7 +45,7 @@ impl Numeral {
         }
     }
 
-    /// A literal that nothing here corresponds to.
+    /// Creates a literal without an RPI equivalent. The tree holds 0 instead.
     fn unknown(message: String, seen: &'static str) -> Numeral {
         Numeral {
             message,
@@ -57,7 +57,7 @@ impl Numeral {
     }
 }
 
-/// Number of bytes of a number at the start of a text: digits, a fraction and an exponent.
+/// Returns the length in bytes of the number at the start of a text: digits, fraction and exponent.
 pub(crate) fn digits(text: &str) -> usize {
     let bytes = text.as_bytes();
     let count = |from: usize| {
@@ -78,14 +78,14 @@ pub(crate) fn digits(text: &str) -> usize {
     end
 }
 
-/// Reads `0b101`, `0o17`, `1_000`, `0xFF_FF`, `10u`, `1.0f`, `0x1Ful` as what they are elsewhere.
+/// Converts a number of another language: `0b101`, `0o17`, `1_000`, `0xFF_FF`, `10u`, `1.0f`, `0x1Ful`.
 pub(crate) fn foreign(text: &str) -> Option<Numeral> {
     radix(text)
         .or_else(|| grouped(text))
         .or_else(|| suffixed(text))
 }
 
-/// The prefixes of numbers to another base than 10 and 16.
+/// Prefixes of binary and octal numbers: prefix, base, name.
 const PREFIXES: &[(&str, u32, &str)] = &[
     ("0b", 2, "binary"),
     ("0B", 2, "binary"),
@@ -93,46 +93,47 @@ const PREFIXES: &[(&str, u32, &str)] = &[
     ("0O", 8, "octal"),
 ];
 
-/// `0b1010`, `0o17`
+/// Converts a binary or octal number: `0b1010`, `0o17`.
 fn radix(text: &str) -> Option<Numeral> {
     let rows = PREFIXES.iter();
     let mut found =
         rows.filter_map(|(prefix, base, name)| Some((text.strip_prefix(prefix)?, *base, *name)));
     let (digits, base, name) = found.next()?;
     let value = u64::from_str_radix(&digits.replace('_', ""), base).ok()?;
-    let message = format!("there are no {name} numbers: this is {value}");
+    let message = format!("{name} numbers are not supported: this is {value}");
     Some(Numeral::number(
         message,
-        "decimal and hexadecimal ones are read",
+        "expected a decimal or hexadecimal number",
         value.to_string(),
     ))
 }
 
-/// `1_000`, `1_000.5`, `1'000`, `0xFF_FF`
+/// Converts a number with digit separators: `1_000`, `1_000.5`, `1'000`, `0xFF_FF`.
 fn grouped(text: &str) -> Option<Numeral> {
     let sign = if text.contains('\'') { '\'' } else { '_' };
     let plain = text.replace(sign, "");
     let is_number = is_hex(&plain) || digits(&plain) == plain.len();
     let message = format!("the digits of a number are written without `{sign}`");
     (is_number && text.contains(sign))
-        .then(|| Numeral::number(message, "no word and no unit", plain))
+        .then(|| Numeral::number(message, "digit separators are not allowed", plain))
 }
 
+/// Returns whether a text is a hexadecimal number with its prefix `0x`.
 fn is_hex(text: &str) -> bool {
     let digits = text.strip_prefix("0x").or_else(|| text.strip_prefix("0X"));
     digits.is_some_and(|digits| !digits.is_empty() && digits.bytes().all(|b| b.is_ascii_hexdigit()))
 }
 
-/// Suffixes of C, Java and Rust; looked up in lower case.
+/// Type suffixes of numbers in C, Java and Rust, in lower case.
 const SUFFIXES: &[&str] = &[
     "u", "l", "ul", "lu", "ll", "ull", "llu", "z", "uz", "f", "i8", "i16", "i32", "i64", "u8",
     "u16", "u32", "u64", "usize", "isize", "f32", "f64",
 ];
 
-/// Those that are units here, too: litre and farad.
+/// Suffixes that are also units in RPI: litre and farad.
 const UNITS: &[&str] = &["l", "L", "F"];
 
-/// `10u`, `10L`, `1.0f`, `1e3f`, `0x1Fu`, `5i32`
+/// Converts a number with a type suffix: `10u`, `10L`, `1.0f`, `1e3f`, `0x1Fu`, `5i32`.
 fn suffixed(text: &str) -> Option<Numeral> {
     let end = match text.starts_with("0x") || text.starts_with("0X") {
         true => {
@@ -153,7 +154,7 @@ fn suffixed(text: &str) -> Option<Numeral> {
         true => format!("{number}.0"),
         false => number.to_owned(),
     };
-    let message = format!("a number has no suffix: `{suffix}` is of another language");
+    let message = format!("a number has no type suffix: `{suffix}` is from another language");
     let numeral = Numeral::number(message, "every integer and every real has 64 bits", meant);
     let is_same = match lower.as_str() {
         "f64" => true,
@@ -165,16 +166,17 @@ fn suffixed(text: &str) -> Option<Numeral> {
     Some(Numeral { is_sure, ..numeral })
 }
 
-/// The greatest number that every type of integers holds.
+/// Largest number that every integer type can hold.
 const SMALL: u64 = 127;
 
+/// Returns whether an integer, decimal or hexadecimal, is at most [`SMALL`].
 fn is_small(number: &str) -> bool {
     let digits = number.trim_start_matches("0x").trim_start_matches("0X");
     let base = if digits.len() < number.len() { 16 } else { 10 };
     u64::from_str_radix(digits, base).is_ok_and(|value| value <= SMALL)
 }
 
-/// Whether a number of 32 bits is the same as one of 64: 0.5 is, 0.1 is not.
+/// Returns whether a number is exact in single precision: 0.5 is, 0.1 is not.
 #[allow(clippy::float_cmp)]
 fn is_single(number: &str) -> bool {
     let value: f64 = number.parse().unwrap_or(f64::NAN);

@@ -1,19 +1,19 @@
-//! Which token of a source became which one of a document.
+//! Alignment of the tokens of a source with the tokens of the formatted document.
 //!
-//! They are the same but for what the style adds, leaves out or writes in another way, and but for parts that it sorts. Where
-//! a part begins, down to single names and numbers, the document tells its place: only the few tokens up to the next one are
-//! compared.
+//! The two sequences differ by tokens that the style adds, omits or rewrites, and by parts that it sorts. The document
+//! holds the source offset of each part, down to single names and numbers (its anchors). So only the few tokens between
+//! two anchors are compared, by their longest common subsequence.
 
 use std::ops::Range;
 
-/// A token of the document.
+/// Token of the document.
 pub(super) struct Printed<'d> {
     pub(super) text: &'d str,
-    /// The token of the source that it begins with, if the part tells.
+    /// Index of the source token at the offset of the part, if the part has an offset.
     pub(super) anchor: Option<usize>,
 }
 
-/// For each token of the source the one it became.
+/// Returns for each source token the index of its document token, or `None` if the token was omitted.
 pub(super) fn align(source: &[&str], printed: &[Printed<'_>]) -> Vec<Option<usize>> {
     let mut became = vec![None; source.len()];
     for (from, to) in stretches(source, printed) {
@@ -25,7 +25,7 @@ pub(super) fn align(source: &[&str], printed: &[Printed<'_>]) -> Vec<Option<usiz
     became
 }
 
-/// From one place that the document tells to the next: tokens of the source, and what they became.
+/// Returns the token ranges between consecutive anchors: in the source, and in the document.
 fn stretches(source: &[&str], printed: &[Printed<'_>]) -> Vec<(Range<usize>, Range<usize>)> {
     let anchored = printed.iter().enumerate();
     let anchored = anchored.filter_map(|(to, word)| Some((begin(source, word)?, to)));
@@ -46,16 +46,16 @@ fn stretches(source: &[&str], printed: &[Printed<'_>]) -> Vec<(Range<usize>, Ran
     begins.iter().zip(ends).map(stretch).collect()
 }
 
-/// The token of the source that a token of the document begins with, if its part tells.
+/// Returns the index of the source token that corresponds to an anchored document token.
 fn begin(source: &[&str], word: &Printed<'_>) -> Option<usize> {
     let at = word.anchor?.min(source.len());
     let is = |at: usize| source.get(at) == Some(&word.text);
-    // Of some parts the word that they begin with has no place.
+    // Some parts begin with a keyword that is not in their span.
     let early = at.checked_sub(1).filter(|early| !is(at) && is(*early));
     Some(early.unwrap_or(at))
 }
 
-/// Which tokens are the same, in order; what differs between two of them is paired if it is written in another way.
+/// Returns the pairs of equal tokens, in order, and of tokens between them that the style rewrites.
 fn pairs(source: &[&str], printed: &[&str]) -> Vec<(usize, usize)> {
     let mut pairs = Vec::new();
     let mut done = (0, 0);
@@ -73,17 +73,17 @@ fn pairs(source: &[&str], printed: &[&str]) -> Vec<(usize, usize)> {
     pairs
 }
 
-/// Whether the same number of words or signs stands for what was written.
+/// Returns whether the printed tokens replace the source tokens one by one. Parentheses only replace parentheses.
 fn is_rewritten(source: &[&str], printed: &[&str]) -> bool {
     let is_round = |token: &str| matches!(token, "(" | ")");
     source.len() == printed.len()
         && (source.iter().zip(printed)).all(|(a, b)| is_round(a) == is_round(b))
 }
 
-/// More comparisons than these are not made for one stretch.
+/// Maximum number of token comparisons between two anchors. Time and memory are quadratic in the number of tokens.
 const MAX_COMPARED: usize = 1 << 16;
 
-/// The longest row of tokens that both have, as early as it can be.
+/// Returns the longest common subsequence of two token lists, as pairs of indices.
 fn same(source: &[&str], printed: &[&str]) -> Vec<(usize, usize)> {
     let head = source.iter().zip(printed).take_while(|(a, b)| a == b);
     let head = head.count();
@@ -107,7 +107,7 @@ fn same(source: &[&str], printed: &[&str]) -> Vec<(usize, usize)> {
     same
 }
 
-/// How long the longest row is that is left from two places on.
+/// Returns the table of the lengths of the longest common subsequences of all suffixes.
 fn lengths(source: &[&str], printed: &[&str]) -> Vec<Vec<u32>> {
     let mut lengths = vec![vec![0; printed.len() + 1]; source.len() + 1];
     for i in (0..source.len()).rev() {
@@ -125,7 +125,7 @@ fn lengths(source: &[&str], printed: &[&str]) -> Vec<Vec<u32>> {
 mod tests {
     use super::*;
 
-    /// Words of the document; `@2` before one tells its place.
+    /// Aligns two lists of words. `@2` before a word of the document is its anchor.
     fn aligned(source: &str, printed: &str) -> Vec<Option<usize>> {
         let source: Vec<&str> = source.split(' ').collect();
         let mut anchor = None;

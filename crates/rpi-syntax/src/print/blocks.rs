@@ -1,4 +1,4 @@
-//! Blocks of equations: `if`, `when`, `cond` and `frame` of Kind 2.
+//! Printing of the blocks of equations of Kind 2: `if`, `when`, `cond` and `frame`.
 
 use super::Printer;
 use super::layout::{Doc, concat, indent, word};
@@ -49,7 +49,7 @@ impl Printer<'_> {
 }
 
 impl ChoiceWord {
-    /// The word that begins it.
+    /// Returns the keyword that begins the block, with a space.
     pub(crate) fn opens(self) -> &'static str {
         match self {
             ChoiceWord::If => "if ",
@@ -58,7 +58,7 @@ impl ChoiceWord {
         }
     }
 
-    /// What stands around the condition of a branch.
+    /// Returns the text before and after the condition of a branch.
     fn head(self, is_first: bool) -> (&'static str, &'static str) {
         match (self, is_first) {
             (ChoiceWord::Cond, _) => ("| ", ":"),
@@ -67,6 +67,7 @@ impl ChoiceWord {
         }
     }
 
+    /// Returns the keyword that closes the block.
     fn closes(self) -> &'static str {
         match self {
             ChoiceWord::If => "fi",

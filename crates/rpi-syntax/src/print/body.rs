@@ -1,4 +1,4 @@
-//! Bodies, statements, automata and contracts.
+//! Printing of bodies, statements and automata.
 
 use super::layout::{Doc, concat, group, indent, nothing, text, word};
 use super::ty::dotted;
@@ -8,20 +8,20 @@ use crate::text::quote;
 use rpi_diag::Span;
 
 impl Printer<'_> {
-    /// A head with contract, local declarations and `let ... tel` below it.
+    /// Prints a header with its contract, local declarations and `let ... tel` below it.
     pub(super) fn with_body(&mut self, head: Doc, contract: &Option<Contract>, body: &Body) -> Doc {
         let contract = self.contract(contract.as_ref());
         concat([head, contract, Doc::Hard, self.body(body)])
     }
 
-    /// Local declarations and `let ... tel`, each statement on a line.
+    /// Prints local declarations and `let ... tel`, with each statement on its own line.
     fn body(&mut self, body: &Body) -> Doc {
         let locals = self.locals(&body.locals);
         let statements = self.statements(&body.statements);
         concat([locals, block("let", statements, "tel")])
     }
 
-    /// The same, on one line if it is short enough.
+    /// Prints a body on one line if it is short enough.
     fn short_body(&mut self, body: &Body) -> Doc {
         let short = body.locals.is_empty()
             && body.statements.len() <= MAX_ON_ONE_LINE
@@ -54,7 +54,7 @@ impl Printer<'_> {
         concat(sections.collect::<Vec<_>>())
     }
 
-    /// `var x: int;`, or one declaration on a line of its own each.
+    /// Prints a section of declarations: `var x: int;`, or several declarations on a line each.
     pub(super) fn section<T>(
         &mut self,
         head: &'static str,
@@ -88,7 +88,7 @@ impl Printer<'_> {
         )
     }
 
-    /// A statement; `width` is that of the first word in a column of ends.
+    /// Prints a statement. `width` is the column width of `finish`, `yield` and `fail` in adjacent statements.
     fn statement(&mut self, kind: &StatementKind, width: usize) -> Doc {
         let phrase = match kind {
             StatementKind::Equation(equation) => self.equation(equation),
@@ -136,13 +136,13 @@ impl Printer<'_> {
         concat([word(claim.kind.word()), word(" "), condition, provided])
     }
 
-    /// `--%PROPERTY x;` ends with its line; comments in it stand before it.
+    /// Prints `--%PROPERTY x;`, which ends with its line. Comments within it are moved before it.
     fn property(&mut self, claim: &Claim) -> Doc {
         let line = concat([self.claim(claim), word(";")]);
         Doc::Flat(Box::new(line))
     }
 
-    /// Label and condition of a claim.
+    /// Prints the label and condition of a claim.
     pub(super) fn condition(&mut self, claim: &Claim) -> Doc {
         match &claim.label {
             Some(label) => {
@@ -192,7 +192,8 @@ impl Printer<'_> {
         concat([Doc::Hard, self.short_body(body)])
     }
 
-    /// All transitions at one end of a state as one clause: the first that holds is taken, however they are written.
+    /// Prints all strong or all weak transitions of a state as one clause.
+    // Several clauses and one clause with alternatives mean the same: the first transition that holds is taken.
     fn clause(&mut self, head: &'static str, transitions: &[Transition]) -> Doc {
         if transitions.is_empty() {
             return nothing();
@@ -223,10 +224,10 @@ impl Printer<'_> {
     }
 }
 
-/// More statements than these are never set on one line.
+/// Maximum number of statements of a body on one line.
 const MAX_ON_ONE_LINE: usize = 2;
 
-/// `let ... tel` on one line if it is short enough; each statement has a `Line` before it.
+/// Prints `let ... tel` on one line if it fits. Each statement has a `Line` before it.
 pub(super) fn one_line_body(statements: Doc) -> Doc {
     group(concat([
         word("let"),
@@ -236,7 +237,7 @@ pub(super) fn one_line_body(statements: Doc) -> Doc {
     ]))
 }
 
-/// Lines between two words.
+/// Prints indented lines between two keywords.
 pub(super) fn block(open: &'static str, lines: Doc, close: &'static str) -> Doc {
     match lines.is_nothing() {
         true => concat([word(open), Doc::Hard, word(close)]),
@@ -259,7 +260,7 @@ fn has_body(kind: &StatementKind) -> bool {
     )
 }
 
-/// For each statement that ends the command the width of the longest word in its run.
+/// Returns for each statement the longest keyword width among adjacent `finish`, `yield` and `fail` statements, or 0.
 fn end_widths(statements: &[Statement]) -> Vec<usize> {
     let width = |statement: &Statement| match &statement.kind {
         StatementKind::End(end) => end.kind.word().len(),
@@ -275,7 +276,7 @@ fn end_widths(statements: &[Statement]) -> Vec<usize> {
 }
 
 impl EndKind {
-    /// The word that begins it.
+    /// Returns the keyword of the statement.
     fn word(self) -> &'static str {
         match self {
             EndKind::Finish => "finish",
@@ -286,7 +287,7 @@ impl EndKind {
 }
 
 impl ClaimKind {
-    /// The word that begins it.
+    /// Returns the keyword of the claim.
     fn word(self) -> &'static str {
         match self {
             ClaimKind::Assert => "assert",

@@ -1,4 +1,4 @@
-//! Calls and their arguments.
+//! Printing of calls and their arguments.
 
 use super::Printer;
 use super::layout::{Doc, concat, group, text, word};
@@ -61,7 +61,7 @@ impl Printer<'_> {
         group(concat([head, self.args(&call.args)]))
     }
 
-    /// Whether it is `any@<T>`, which Kind 2 writes without parentheses.
+    /// Returns whether a call is `any@<T>`, which Kind 2 writes without parentheses.
     fn is_of_types(&self, call: &Call) -> bool {
         let is_type = |arg: &StaticArg| {
             arg.name.is_none() && matches!(arg.value, StaticValue::Type(_) | StaticValue::Expr(_))
@@ -82,7 +82,7 @@ impl Printer<'_> {
         })
     }
 
-    /// `<int; real>` after a name in a `.lus` file.
+    /// Prints type arguments in a `.lus` file: `<int; real>`, after `open`.
     pub(super) fn type_args(&mut self, open: &'static str, args: &[StaticArg]) -> Doc {
         let mut parts = Vec::new();
         for (i, arg) in args.iter().enumerate() {
@@ -105,7 +105,7 @@ impl Printer<'_> {
         concat([name, statics])
     }
 
-    /// Whether it was written `f@<int>`: Kind 2 reads its types in no other way.
+    /// Returns whether a callee was written `f@<int>`, the only form that Kind 2 accepts for type arguments.
     fn is_of_kind2(&self, callee: &Callee) -> bool {
         let name = callee.name.span;
         let source = self
@@ -156,7 +156,7 @@ fn arg_span(arg: &Arg) -> Span {
     name.merge(arg.value.span)
 }
 
-/// The operator; set off by a space where it would run into `>>`.
+/// Prints an operator as a static argument, with a space where it would merge with `>>`.
 fn static_op(op: StaticOp, is_last: bool) -> Doc {
     let spelling = match op {
         StaticOp::Unary(op) => op.spelling(),
@@ -167,7 +167,7 @@ fn static_op(op: StaticOp, is_last: bool) -> Doc {
     concat([word(spelling), word(if runs_in { " " } else { "" })])
 }
 
-/// Whether the type is written as an argument without the word `type`.
+/// Returns whether a type argument is written without the keyword `type`.
 fn is_plain(ty: &Type) -> bool {
     match &ty.kind {
         TypeKind::Bool | TypeKind::Int | TypeKind::Real(None) => true,

@@ -1,4 +1,4 @@
-//! Contracts.
+//! Printing of contracts.
 
 use super::Printer;
 use super::layout::{Doc, concat, group, indent, nothing, text, word};
@@ -6,7 +6,7 @@ use crate::ast::*;
 use rpi_diag::Span;
 
 impl Printer<'_> {
-    /// `con ... noc` on lines of its own, if there is one.
+    /// Prints a contract as `con ... noc` on lines of its own, or nothing.
     pub(super) fn contract(&mut self, contract: Option<&Contract>) -> Doc {
         let Some(contract) = contract else {
             return nothing();
@@ -15,13 +15,13 @@ impl Printer<'_> {
         concat([Doc::Hard, word("con"), parts, Doc::Hard, word("noc")])
     }
 
-    /// A contract by itself, `let ... tel`.
+    /// Prints the body of a `contract` declaration: `let ... tel`.
     pub(super) fn contract_alone(&mut self, contract: Option<&Contract>) -> Doc {
         let parts = contract.map_or_else(nothing, |contract| self.contract_parts(contract));
         concat([Doc::Hard, word("let"), parts, Doc::Hard, word("tel")])
     }
 
-    /// Its parts as they stand in the text, so that comments stay with them; without a text, kind by kind.
+    /// Prints the parts of a contract in source order, so that comments stay with them; without a source, by kind.
     fn contract_parts(&mut self, contract: &Contract) -> Doc {
         let mut parts: Vec<(Span, Doc)> = Vec::new();
         for locals in &contract.locals {
@@ -52,7 +52,7 @@ impl Printer<'_> {
         indent(concat([Doc::Hard, lines]))
     }
 
-    /// `var x: int, y: bool = e;`
+    /// Prints several ghost variables with one value: `var x: int, y: bool = e;`.
     fn together(&mut self, together: &Together) -> Doc {
         let vars = together.vars.iter().enumerate().flat_map(|(i, var)| {
             let comma = word(if i == 0 { "" } else { ", " });
@@ -81,7 +81,7 @@ impl Printer<'_> {
         ])
     }
 
-    /// Each with its word before it: in a contract, a section has one declaration.
+    /// Prints local declarations of a contract, each with its keyword: in a contract, a section has one declaration.
     fn contract_locals(&mut self, locals: &Locals, parts: &mut Vec<(Span, Doc)>) {
         let line = |head, doc| concat([word(head), doc, word(";")]);
         match locals {

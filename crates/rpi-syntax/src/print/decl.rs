@@ -1,4 +1,4 @@
-//! Top-level declarations.
+//! Printing of top-level declarations.
 
 use super::Printer;
 use super::layout::{Doc, concat, group, indent, nothing, text, word};
@@ -8,7 +8,7 @@ use crate::ast::*;
 use crate::text::quote;
 
 impl Printer<'_> {
-    /// Declarations, one below the other; those of several lines are set apart.
+    /// Prints declarations one below the other. Those of several lines have empty lines around them.
     pub(super) fn items(&mut self, items: &[Item]) -> Doc {
         self.lines(
             items,
@@ -65,7 +65,7 @@ impl Printer<'_> {
         }
     }
 
-    /// Name, static parameters and ports, the ports on lines of their own if there is no room.
+    /// Prints name, static parameters and ports. The ports are on lines of their own if they do not fit.
     pub(super) fn signature(&mut self, signature: &Signature) -> Doc {
         let head = concat([
             self.name(&signature.name),
@@ -110,7 +110,7 @@ impl Printer<'_> {
         }
     }
 
-    /// `fragment F (...) returns (...) when c restart budget b`
+    /// Prints the header of a fragment: `fragment F (...) returns (...) when c restart budget b`.
     pub(super) fn fragment_head(&mut self, fragment: &FragmentDecl) -> Doc {
         let signature = &fragment.signature;
         let name = self.name(&signature.name);
@@ -165,7 +165,7 @@ impl Printer<'_> {
     }
 
     fn device_section(&mut self, section: &DeviceSection) -> Doc {
-        /// As long as the longest of the words, and a space.
+        /// Width of the longest keyword and a space.
         const COLUMN: usize = "actuator ".len();
         let word = section.kind.word();
         let ports = self.lines(
@@ -215,7 +215,7 @@ impl Printer<'_> {
         self.with_body(head, &command.contract, &command.body)
     }
 
-    /// Parameters of a command or task; nothing if there are none.
+    /// Prints the parameters of a command or task, or nothing if there are none.
     pub(super) fn params(&mut self, params: &[VarDecl]) -> Doc {
         match params {
             [] => nothing(),
@@ -225,7 +225,7 @@ impl Printer<'_> {
 }
 
 impl NodeKind {
-    /// The word that declares it.
+    /// Returns the keyword of the declaration.
     pub(super) fn word(self) -> &'static str {
         match self {
             NodeKind::Node => "node",
@@ -236,7 +236,7 @@ impl NodeKind {
 }
 
 impl PortKind {
-    /// The word before its ports.
+    /// Returns the keyword before the ports.
     fn word(self) -> &'static str {
         match self {
             PortKind::Actuator => "actuator",
@@ -246,7 +246,7 @@ impl PortKind {
     }
 }
 
-/// Whether the definitions are the alternatives of one `datatype`.
+/// Returns whether all definitions are algebraic data types, declared with `datatype`.
 fn is_datatype(defs: &[TypeDef]) -> bool {
     let is_data =
         |def: &TypeDef| matches!(def.ty.as_ref().map(|ty| &ty.kind), Some(TypeKind::Data(_)));
@@ -254,7 +254,7 @@ fn is_datatype(defs: &[TypeDef]) -> bool {
 }
 
 impl Modifier {
-    /// The word that stands for it.
+    /// Returns the keyword of the modifier.
     pub(crate) fn word(self) -> Option<&'static str> {
         match self {
             Modifier::None => None,

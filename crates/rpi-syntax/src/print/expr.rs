@@ -1,4 +1,4 @@
-//! Expressions.
+//! Printing of expressions.
 
 use super::layout::{Doc, concat, group, indent, text, word};
 use super::list::{CURLY, PARENS, SQUARE, brackets};
@@ -56,7 +56,7 @@ impl Printer<'_> {
         }
     }
 
-    /// The expression, in parentheses if they are needed.
+    /// Prints an expression, in parentheses if `needed`.
     pub(super) fn wrapped(&mut self, expr: &Expr, needed: bool) -> Doc {
         match needed {
             true => self.paren(expr),
@@ -121,7 +121,7 @@ impl Printer<'_> {
     }
 
     pub(super) fn slice(&mut self, slice: &Slice) -> Doc {
-        // `1.` before `..` would read as three dots.
+        // `1.` directly before `..` would be lexed as three dots.
         let ends_in_dot = matches!(&slice.from.kind, ExprKind::Number(n) if n.text.ends_with('.'));
         let apart = ends_in_dot || parens::level(&slice.from) < LEVEL_PRIMARY;
         let dots = word(if apart { " .. " } else { ".." });
@@ -142,7 +142,7 @@ impl Printer<'_> {
         ])
     }
 
-    /// `a and b and c`: operators of one level are broken together.
+    /// Prints a chain of operators of one precedence level, `a and b and c`. Lines break at all operators or at none.
     fn chain(&mut self, binary: &Binary) -> Doc {
         if binary.op == BinaryOp::Repeat {
             return self.repeated(binary);
@@ -157,7 +157,7 @@ impl Printer<'_> {
         })
     }
 
-    /// `x^3`
+    /// Prints an array of repeated elements: `x^3`.
     fn repeated(&mut self, binary: &Binary) -> Doc {
         let element = self.wrapped(&binary.lhs, parens::left(binary.op, &binary.lhs));
         let size = self.wrapped(&binary.rhs, parens::right(binary.op, &binary.rhs));
@@ -178,7 +178,7 @@ impl Printer<'_> {
         }
     }
 
-    /// `if a then x else if b then y else z`: the branches are broken together.
+    /// Prints `if a then x else if b then y else z`. Lines break at all branches or at none.
     fn conditional(&mut self, conditional: &If) -> Doc {
         let branches = branches(conditional);
         self.phrases(&branches, |p, _, branch| match branch {
@@ -276,7 +276,7 @@ impl Printer<'_> {
         ])
     }
 
-    /// `a[0 := x; 1 := y]`
+    /// Prints an update in the syntax of Kind 2: `a[0 := x; 1 := y]`.
     fn keyed(&mut self, update: &Update) -> Doc {
         let base = self.base(&update.base);
         let key = |change: &Change| match &change.path[..] {
@@ -304,7 +304,7 @@ impl Printer<'_> {
         }
         let base = concat([word("("), self.expr(&update.base), word(" with")]);
         let after_base = brackets(" ", ";", ")");
-        // A change begins with a sign that has no place of its own.
+        // A change begins with `.` or `[`, which has no span in the tree.
         let nowhere = |_: &Change| Span::NONE;
         let changes = self.list(after_base, &update.changes, nowhere, |p, change| {
             concat([p.path(&change.path), word(" = "), p.expr(&change.value)])
@@ -312,7 +312,7 @@ impl Printer<'_> {
         concat([base, changes])
     }
 
-    /// `.f[1]`
+    /// Prints a path of fields, indices and slices: `.f[1]`.
     pub(super) fn path(&mut self, path: &[Access]) -> Doc {
         let steps = path.iter().map(|access| match access {
             Access::Field(field) => concat([word("."), self.name(field)]),
@@ -323,7 +323,7 @@ impl Printer<'_> {
     }
 }
 
-/// `B(x, C(y))`
+/// Returns the text of a pattern: `B(x, C(y))`.
 fn pattern(of: &Pattern) -> String {
     let parts: Vec<String> = of.parts.iter().map(pattern).collect();
     match &parts[..] {
@@ -336,14 +336,14 @@ fn field_span(field: &FieldValue) -> Span {
     field.field.span.merge(field.value.span)
 }
 
-/// One operand of a chain, with the operator before it.
+/// Operand of a chain, with the operator before it.
 struct Link<'e> {
     op: Option<BinaryOp>,
     operand: &'e Expr,
     parens: bool,
 }
 
-/// The operands that operators of one level join.
+/// Returns the operands of a chain of operators of one precedence level.
 fn links(binary: &Binary) -> Vec<Link<'_>> {
     match binary.op.grouping() {
         Grouping::Right => links_to_right(binary),
@@ -405,7 +405,7 @@ fn links_to_right(mut binary: &Binary) -> Vec<Link<'_>> {
     }
 }
 
-/// One branch of a chain of conditions.
+/// Branch of a chain of conditional expressions.
 enum Alternative<'e> {
     If {
         head: &'static str,

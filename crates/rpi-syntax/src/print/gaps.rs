@@ -1,31 +1,31 @@
-//! Where the comments of a source stand: between which tokens, and on whose line.
+//! Positions of the comments of a source: the tokens around each comment, and the line that it shares with them.
 
 use super::pieces::is_separator;
 use crate::comments::{Comment, CommentKind};
 use crate::lexer::Lexeme;
 use rpi_diag::Span;
 
-/// The tokens of a source, with the comments between them.
+/// Tokens of a source text and the comments between them.
 pub(super) struct Source<'a> {
     pub(super) text: &'a str,
     pub(super) comments: &'a [Comment],
-    /// All tokens that take room.
+    /// Spans of all tokens with text.
     tokens: Vec<Span>,
-    /// Which of them are no separators.
+    /// Indices of the tokens that are not separators.
     significant: Vec<usize>,
 }
 
-/// The comments between two tokens.
+/// Comments between two tokens, by their position.
 pub(super) struct Gap<'a> {
-    /// Where what stands behind them begins in the source, separators aside.
+    /// Source offset of the next token that is not a separator.
     pub(super) next: u32,
-    /// Those that end the line of the token before it.
+    /// Comments at the end of the line of the previous token.
     pub(super) behind: Vec<&'a Comment>,
-    /// The comment that stands before a separator or closing sign, on the line of both.
+    /// Comment before a separator or closing bracket, on the line of both tokens.
     pub(super) within: Vec<&'a Comment>,
-    /// Those on lines of their own.
+    /// Comments on lines of their own.
     pub(super) own: Vec<&'a Comment>,
-    /// Those that begin the line of the token behind it, or stand in it.
+    /// Comments on the line of the next token, before it.
     pub(super) ahead: Vec<&'a Comment>,
 }
 
@@ -51,46 +51,47 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// The tokens that are no separators.
+    /// Returns the texts of the tokens that are not separators (called words).
     pub(super) fn words(&self) -> Vec<&'a str> {
         let words = self.significant.iter();
         words.map(|i| slice(self.text, self.tokens[*i])).collect()
     }
 
-    /// The first of them that does not begin before an offset.
+    /// Returns the index of the first word that begins at or after `offset`.
     pub(super) fn word_at(&self, offset: u32) -> usize {
         self.significant
             .partition_point(|i| self.tokens[*i].start < offset)
     }
 
+    /// Returns the source offset of a word, or the length of the source after the last one.
     fn start_of(&self, word: usize) -> u32 {
         let token = self.significant.get(word).map(|i| self.tokens[*i]);
         token.map_or(self.text.len() as u32, |token| token.start)
     }
 
-    /// Whether an empty line stands in the source between two offsets.
+    /// Returns whether the source has an empty line between two offsets.
     pub(super) fn is_blank(&self, from: u32, to: u32) -> bool {
         self.line_ends(from, to) > 1
     }
 
-    /// Whether a doc comment that ends at `from` documents what begins at `to`, or goes on there.
+    /// Returns whether a doc comment that ends at `from` belongs to the declaration or doc comment at `to`.
     pub(super) fn documents(&self, from: u32, to: u32) -> bool {
         let gap = self.text.get(from as usize..to as usize).unwrap_or("");
         gap.trim().is_empty() && self.line_ends(from, to) <= 1
     }
 
-    /// Where what stands before a place ends, comments aside.
+    /// Returns the end of the last token before `offset`, or 0.
     fn end_before(&self, offset: u32) -> u32 {
         self.token_before(offset).map_or(0, |token| token.end)
     }
 
-    /// The token before a place, if there is one.
+    /// Returns the last token that begins before `offset`.
     pub(super) fn token_before(&self, offset: u32) -> Option<Span> {
         let before = self.tokens.partition_point(|token| token.start < offset);
         before.checked_sub(1).map(|i| self.tokens[i])
     }
 
-    /// What is written at a place or next behind it, comments aside.
+    /// Returns the text of the first token at or after `offset`.
     pub(super) fn token_from(&self, offset: u32) -> &str {
         let at = self.tokens.partition_point(|token| token.start < offset);
         let token = self.tokens.get(at);
@@ -102,7 +103,7 @@ impl<'a> Source<'a> {
         gap.bytes().filter(|b| *b == b'\n').count()
     }
 
-    /// Comments that come to stand between the same two tokens; whether the second one ends what another began.
+    /// Classifies the comments between two tokens. `closes`: the second token closes a bracket or block.
     pub(super) fn gap(&self, all: &'a [Comment], closes: bool) -> Gap<'a> {
         let word = |c: Option<&Comment>| c.map_or(0, |c| self.word_at(c.span.start));
         let (mut behind, mut within, mut own) = (Vec::new(), Vec::new(), Vec::new());
@@ -128,7 +129,7 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// Where what stands before a comment ends.
+    /// Returns the end of the token or comment before a comment.
     pub(super) fn reached(&self, comment: &Comment) -> u32 {
         let at = self
             .comments
@@ -137,7 +138,7 @@ impl<'a> Source<'a> {
         previous.max(self.end_before(comment.span.start))
     }
 
-    /// What stands behind a comment: a token, if no other comment stands before it.
+    /// Returns the first token after a comment.
     fn next(&self, comment: &Comment) -> Option<Span> {
         let at = self
             .tokens
@@ -145,26 +146,27 @@ impl<'a> Source<'a> {
         self.tokens.get(at).copied()
     }
 
-    /// Whether a comment stands in the line of the word behind it.
+    /// Returns whether a comment is on the line of the next token and that token is not a separator.
     fn leads(&self, comment: &Comment) -> bool {
         let next = self.next(comment);
         self.is_within(comment) && next.is_some_and(|next| !is_separator(slice(self.text, next)))
     }
 
-    /// Whether a comment stands in the line of the token behind it.
+    /// Returns whether a block comment is on the line of the next token.
     fn is_within(&self, comment: &Comment) -> bool {
         let next = self.next(comment);
         self.is_short(comment)
             && next.is_some_and(|next| self.line_ends(comment.span.end, next.start) == 0)
     }
 
-    /// Whether it documents what begins on the next line.
+    /// Returns whether a doc comment belongs to the token on the next line.
     fn documents_next(&self, comment: &Comment) -> bool {
         let next = self.next(comment).map(|next| next.start);
         comment.kind == CommentKind::Doc
             && next.is_some_and(|next| self.documents(comment.span.end, next))
     }
 
+    /// Returns whether a comment is a block comment on one line.
     fn is_short(&self, comment: &Comment) -> bool {
         comment.kind == CommentKind::Block && !slice(self.text, comment.span).contains('\n')
     }
@@ -174,7 +176,7 @@ impl<'a> Source<'a> {
     }
 }
 
-/// Whether it ends what another token began.
+/// Returns whether a token closes a bracket or block.
 pub(super) fn is_closer(token: &str) -> bool {
     matches!(token, ")" | "]" | "}" | ">>" | "tel" | "noc" | "end" | "fi")
 }

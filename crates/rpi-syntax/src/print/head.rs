@@ -1,10 +1,10 @@
-//! The head of a declaration: what a reader wants to see of it who asks what a name means.
+//! Headers of declarations, as shown when hovering over a name.
 
 use super::print;
 use crate::Mode;
 use crate::ast::{Body, File, Item, ItemKind, NodeDef};
 
-/// A declaration without its body and contract, in the style of the language, as one text without a line end.
+/// Formats a declaration without its body, contract and documentation, without a line end at its end.
 pub fn head(item: &Item, mode: Mode) -> String {
     let mut item = Item {
         doc: None,
@@ -37,7 +37,7 @@ pub fn head(item: &Item, mode: Mode) -> String {
         .to_owned()
 }
 
-/// The text before the last `let` that begins a line or stands between blanks, which is that of the empty body.
+/// Returns the text before the `let tel` of the empty body at its end.
 fn without_body(text: &str) -> &str {
     let trimmed = text.trim_end().trim_end_matches(['.', ';']);
     let Some(before_tel) = trimmed.strip_suffix("tel") else {

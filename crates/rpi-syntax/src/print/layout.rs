@@ -1,47 +1,47 @@
-//! Documents that may be laid out on one line or on several, and how that is decided.
+//! Documents that can be laid out on one line or on several lines, and the layout algorithm.
 //!
-//! After Wadler, "A prettier printer", with two additions: a suffix waits for the end of its line,
-//! and the suffixes of adjacent lines are set in one column.
+//! After Wadler, "A prettier printer", with two additions: a suffix is printed at the end of its line, and the suffixes
+//! of adjacent lines are aligned in one column.
 
-/// The longest line, in characters, where it can be helped.
+/// Maximum line width in characters. Single tokens and comments may exceed it.
 pub(super) const WIDTH: usize = 100;
 
-/// The widest margin: what nests more deeply is not set in any further, so that the text grows with the program and not with
-/// its square.
+/// Maximum indentation in columns.
+// Without a limit, the text of a deeply nested program would grow with the square of its size.
 const FARTHEST: usize = 80;
 
-/// A text that may be laid out in several ways.
+/// Text that can be laid out in several ways.
 #[derive(Clone, Debug)]
 pub(super) enum Doc {
-    /// A word or sign.
+    /// Text of one or several tokens.
     Text(String),
-    /// A word or sign that is always the same.
+    /// Static text of one or several tokens.
     Word(&'static str),
-    /// The end of a line in a broken group, else a space.
+    /// Line break in a broken group, else a space.
     Line,
-    /// The end of a line in a broken group, else nothing.
+    /// Line break in a broken group, else nothing.
     Soft,
-    /// The end of a line; breaks every group around it.
+    /// Line break; breaks every enclosing group.
     Hard,
-    /// An empty line, where a line begins; breaks every group around it.
+    /// Empty line, at the beginning of a line; breaks every enclosing group.
     Empty,
-    /// A comment that waits for the end of its line; breaks every group around it.
+    /// Comment at the end of the current line; breaks every enclosing group.
     Suffix(String),
-    /// One after the other.
+    /// Documents one after the other.
     Concat(Vec<Doc>),
-    /// Lines that begin so many columns further right.
+    /// Document whose lines are indented by a number of columns.
     Indent(usize, Box<Doc>),
-    /// Lines that comments end in it begin a step further right.
+    /// Document in which lines after a comment are indented by one more step.
     Hang(Box<Doc>),
-    /// What follows begins in the source at this offset.
+    /// Source offset of the following text.
     At(u32),
-    /// On one line, however long it is.
+    /// Document on one line, regardless of its width.
     Flat(Box<Doc>),
-    /// On one line if it fits, else broken at each `Line` and `Soft` directly in it.
+    /// Document on one line if it fits, else broken at each `Line` and `Soft` directly in it.
     Group(Box<Doc>),
 }
 
-/// How far the content of blocks is indented.
+/// Indentation of the content of blocks, in columns.
 pub(super) const STEP: usize = 2;
 
 pub(super) fn text(text: impl Into<String>) -> Doc {
@@ -69,7 +69,7 @@ pub(super) fn group(doc: Doc) -> Doc {
 }
 
 impl Doc {
-    /// Whether nothing is in it.
+    /// Returns whether the document is empty.
     pub(super) fn is_nothing(&self) -> bool {
         match self {
             Doc::Concat(parts) => parts.iter().all(Doc::is_nothing),
@@ -82,8 +82,7 @@ impl Doc {
         }
     }
 
-    /// How many columns it takes on one line; [`None`] if it can not stand on one, or on no line
-    /// of the page.
+    /// Returns the width of the document on one line; [`None`] if it has a line break or is wider than [`WIDTH`].
     pub(super) fn flat_width(&self) -> Option<usize> {
         let mut left = WIDTH;
         let mut todo = vec![self];
@@ -109,7 +108,7 @@ impl Doc {
     }
 }
 
-/// The document as text, each line ended by `\n`.
+/// Lays out a document as text, with `\n` at the end of each line.
 pub(super) fn lay_out(doc: &Doc) -> String {
     let mut layout = Layout::default();
     layout.run(doc);
@@ -126,7 +125,7 @@ pub(super) fn lay_out(doc: &Doc) -> String {
     out
 }
 
-/// Whether lines are ended where they can be.
+/// Whether the optional line breaks of a group are used.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Mode {
     Flat,
@@ -139,16 +138,20 @@ struct Line {
     suffix: Option<String>,
 }
 
+/// State of the layout algorithm.
 #[derive(Default)]
 struct Layout {
+    /// Finished lines.
     lines: Vec<Line>,
+    /// Current line.
     line: String,
+    /// Comment at the end of the current line.
     suffix: Option<String>,
-    /// Whether the last comment of `suffix` ends with its line.
+    /// Whether the last comment of `suffix` is a line comment.
     suffix_takes_line: bool,
-    /// Characters in `line`.
+    /// Number of characters in `line`.
     column: usize,
-    /// Columns to be left free before the next text.
+    /// Indentation of the next line, in columns.
     margin: usize,
 }
 
@@ -182,7 +185,7 @@ impl Layout {
         }
     }
 
-    /// Whether the group, on one line, and what follows it up to the next end of a line, fits.
+    /// Returns whether a group on one line, with the text after it up to the next line break, fits into the line.
     fn fits(&self, margin: usize, group: &Doc, rest: &[(usize, Mode, &Doc)]) -> bool {
         let used = if self.line.is_empty() {
             margin
@@ -241,7 +244,7 @@ impl Layout {
 
     fn suffix(&mut self, comment: &str) {
         match &mut self.suffix {
-            // In the line of one that ends with its line it would be part of that, at least up to the end of the line.
+            // After a line comment on the same line, it would become part of that comment.
             Some(_) if self.suffix_takes_line && !ends_with_line(comment) => {
                 self.end_line();
                 self.text(comment);
@@ -271,12 +274,12 @@ impl Layout {
     }
 }
 
-/// Whether a comment has no sign at its end: it goes on to the end of its line.
+/// Returns whether a comment is a line comment, which extends to the end of its line.
 fn ends_with_line(comment: &str) -> bool {
     comment.starts_with("--") || comment.starts_with("//")
 }
 
-/// Sets the suffixes of adjacent lines in one column, two columns after the longest of them.
+/// Aligns the suffixes of adjacent lines in one column, two columns after the longest line.
 fn align_suffixes(lines: &mut [Line]) {
     for run in lines.chunk_by_mut(|a, b| a.suffix.is_some() && b.suffix.is_some()) {
         let longest = run.iter().map(|line| line.code.chars().count()).max();

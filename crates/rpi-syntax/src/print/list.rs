@@ -1,17 +1,17 @@
-//! Lists, with the empty lines between their elements.
+//! Printing of lists, with the empty lines between their elements.
 
 use super::Printer;
 use super::layout::{Doc, concat, group, indent, nothing, text, word};
 use crate::ast;
 use rpi_diag::Span;
 
-/// How a list in brackets is written.
+/// Delimiters of a list in brackets.
 #[derive(Clone, Copy)]
 pub(super) struct Brackets {
     pub(super) open: &'static str,
     pub(super) separator: &'static str,
     pub(super) close: &'static str,
-    /// Whether spaces stand inside the brackets on one line: `{ a, b }`.
+    /// Whether there are spaces inside the brackets on one line: `{ a, b }`.
     pub(super) spaced: bool,
 }
 
@@ -48,7 +48,7 @@ const fn spaced(separator: &'static str) -> Brackets {
 }
 
 impl Printer<'_> {
-    /// `(a, b)` on one line, or an element on each.
+    /// Prints a list in brackets on one line, `(a, b)`, or with one element per line.
     pub(super) fn list<T>(
         &mut self,
         brackets: Brackets,
@@ -74,8 +74,7 @@ impl Printer<'_> {
         bracketed(brackets, concat(parts), edge())
     }
 
-    /// Phrases one after the other, each on a line of its own if there is not enough room for all on
-    /// one: the operands of a chain, the branches of an `if`.
+    /// Prints phrases, such as the operands of a chain, on one line, or with one phrase per line if they do not fit.
     pub(super) fn phrases<T>(
         &mut self,
         elements: &[T],
@@ -90,7 +89,7 @@ impl Printer<'_> {
         }
     }
 
-    /// The same phrases, each after the first with a `Line` before it, to be set by who asks.
+    /// Returns the phrases as documents, each after the first with a `Line` before it.
     pub(super) fn phrase_parts<T>(
         &mut self,
         elements: &[T],
@@ -104,8 +103,10 @@ impl Printer<'_> {
         parts
     }
 
-    /// Lines of a block, one below the other. Empty lines of the source are kept, one at most. What
-    /// `write` marks as set apart has an empty line before and after it.
+    /// Prints the lines of a block, one below the other.
+    ///
+    /// Of consecutive empty lines in the source, one is kept. Elements that `write` marks with `true` have an empty
+    /// line before and after them.
     pub(super) fn lines<T>(
         &mut self,
         elements: &[T],
@@ -125,7 +126,7 @@ impl Printer<'_> {
         concat(parts)
     }
 
-    /// The lines of a doc comment that comes from the tree.
+    /// Prints the doc comment of a tree without source. With a source, comments are inserted later.
     pub(super) fn doc_lines(&self, doc: Option<&ast::Doc>) -> Doc {
         let Some(doc) = doc.filter(|_| self.source.is_none()) else {
             return nothing();
@@ -138,7 +139,7 @@ impl Printer<'_> {
     }
 }
 
-/// The content between brackets, indented if it breaks; `edge` stands before the last one.
+/// Prints content between brackets, indented if it breaks. `edge` precedes the closing bracket.
 fn bracketed(brackets: Brackets, content: Doc, edge: Doc) -> Doc {
     let open = word(brackets.open);
     let close = word(brackets.close);

@@ -1,14 +1,14 @@
-//! From tree to text, in the one style of the language.
+//! Formatter: turns a syntax tree into text in the one style of the language.
 //!
-//! | file | idea |
+//! | file | content |
 //! |---|---|
-//! | `layout.rs` | documents, and how they are broken into lines |
-//! | `gaps.rs` | between which tokens the comments of a source stand |
-//! | `pieces.rs`, `align.rs`, `weave.rs` | how comments get into a document |
+//! | `layout.rs` | documents, and their layout in lines |
+//! | `gaps.rs` | positions of comments relative to the tokens of the source |
+//! | `pieces.rs`, `align.rs`, `weave.rs` | insertion of comments into a document |
 //! | `list.rs` | lists in brackets and lists of lines, with the empty lines between them |
-//! | `parens.rs` | where parentheses must stand |
-//! | `head.rs` | declarations without their bodies |
-//! | `expr.rs`, `call.rs`, `ty.rs`, `decl.rs`, `body.rs`, `contract.rs`, `task.rs` | the forms of the language |
+//! | `parens.rs` | required parentheses |
+//! | `head.rs` | headers of declarations |
+//! | `expr.rs`, `call.rs`, `ty.rs`, `decl.rs`, `body.rs`, `contract.rs`, `task.rs` | constructs of the language |
 
 mod align;
 mod blocks;
@@ -37,23 +37,23 @@ use weave::weave;
 
 pub use head::head;
 
-/// Writes a tree that has no text, in the style of the language; doc comments in it are kept.
+/// Prints a tree without source text, in the style of the language. Doc comments of the tree are kept.
 ///
-/// Reading the result gives the same tree, parentheses and places aside, as long as every name in it
-/// is one: see [`is_name`](crate::is_name).
+/// Parsing the result gives the same tree, except for parentheses and locations, if every name in it is valid: see
+/// [`is_name`](crate::is_name).
 pub fn print(file: &File, mode: Mode) -> String {
     with_stack(|| written(&Printer { mode, source: None }.items(&file.items)))
 }
 
-/// Formats a text. The errors in it if there are any, for then nothing is changed.
+/// Formats a source text. A text with errors is not formatted: its errors are returned instead.
 ///
-/// The result has the same tree and the same comments, and formatting it again changes nothing. Its lines end as most lines
-/// of the text do.
+/// The result has the same tree and the same comments, and formatting it again changes nothing. Its line ends are those
+/// of most lines of the text (`\n` or `\r\n`).
 pub fn format(text: &str, mode: Mode) -> Result<String, Vec<Finding>> {
     if !text.contains(CRLF) {
         return format_lines(text, mode);
     }
-    // Places in findings are those of the text as it is.
+    // On errors, parse again with the original line ends, so that the locations in the diagnostics are correct.
     let formatted =
         format_lines(&text.replace(CRLF, "\n"), mode).or_else(|_| format_lines(text, mode))?;
     let ends = text.matches('\n').count();
@@ -63,9 +63,10 @@ pub fn format(text: &str, mode: Mode) -> Result<String, Vec<Finding>> {
     }
 }
 
-/// How lines end elsewhere.
+/// Line end of Windows.
 const CRLF: &str = "\r\n";
 
+/// Formats a text without regard to `\r\n`.
 fn format_lines(text: &str, mode: Mode) -> Result<String, Vec<Finding>> {
     let (parsed, tokens) = parse_with_tokens(FileId(0), text, mode);
     let is_error = |finding: &Finding| finding.severity() == Severity::Error;
@@ -91,15 +92,15 @@ fn written(doc: &Doc) -> String {
     }
 }
 
-/// Turns nodes into documents.
+/// Builder of documents from nodes of the tree.
 struct Printer<'a> {
     mode: Mode,
-    /// What was read, if anything was: doc comments are taken from there, and empty lines between declarations.
+    /// Source text of the tree, if there is one. Its comments and empty lines are kept.
     source: Option<&'a Source<'a>>,
 }
 
 impl Printer<'_> {
-    /// Whether an empty line stands directly before what begins at `span`.
+    /// Returns whether an empty line precedes the source text at `span`.
     fn blank_before(&self, span: Span) -> bool {
         let before = self
             .source
@@ -110,7 +111,7 @@ impl Printer<'_> {
         gap.bytes().filter(|b| *b == b'\n').count() > 1
     }
 
-    /// A text up to the comments at its end, as far as they stand on its last line.
+    /// Returns a prefix of the source without the comments at its end that are on its last line.
     fn without_comments_behind<'t>(&self, mut text: &'t str) -> &'t str {
         let comments = self.source.map_or(&[][..], |source| source.comments);
         loop {
@@ -125,7 +126,7 @@ impl Printer<'_> {
         }
     }
 
-    /// What begins with the word before `span`, which has no place of its own.
+    /// Extends `span` to the keyword before it, which has no span in the tree.
     fn with_word(&self, span: Span) -> Span {
         let before = self.source.filter(|_| !span.is_none());
         let before = before.and_then(|source| source.token_before(span.start));
@@ -135,7 +136,7 @@ impl Printer<'_> {
         })
     }
 
-    /// What a part becomes that begins at `span`: where there are comments, with its place for them to be found by.
+    /// Marks a document with its source offset, `span.start`, if the source has comments to align.
     fn part(&self, span: Span, doc: Doc) -> Doc {
         match self.source {
             Some(source) if !span.is_none() && !source.comments.is_empty() => {

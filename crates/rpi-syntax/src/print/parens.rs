@@ -1,9 +1,9 @@
-//! Where parentheses must stand for a tree to read back as it is, by the table of operators.
+//! Parentheses that are required for a printed tree to parse back unchanged, by the table of operators.
 
 use crate::ast::{Expr, ExprKind};
 use crate::ops::{BinaryOp, Grouping, LEVEL_IF, LEVEL_PRIMARY, LEVEL_WHEN, Level, UnaryOp};
 
-/// The level of the operator at the root of the expression.
+/// Returns the precedence level of the operator at the root of an expression.
 pub(super) fn level(expr: &Expr) -> Level {
     match &expr.kind {
         ExprKind::If(_) | ExprKind::Quantified(_) => LEVEL_IF,
@@ -14,18 +14,18 @@ pub(super) fn level(expr: &Expr) -> Level {
     }
 }
 
-/// Whether a left operand of `op` needs parentheses.
+/// Returns whether a left operand of `op` needs parentheses.
 pub(super) fn left(op: BinaryOp, lhs: &Expr) -> bool {
     let groups_left = op.grouping() == Grouping::Left;
     before(op.level(), groups_left, lhs)
 }
 
-/// Whether what is sampled needs parentheses.
+/// Returns whether the sampled value, left of `when`, needs parentheses.
 pub(super) fn sampled(value: &Expr) -> bool {
     before(LEVEL_WHEN, true, value)
 }
 
-/// Whether a right operand of `op` needs parentheses.
+/// Returns whether a right operand of `op` needs parentheses.
 pub(super) fn right(op: BinaryOp, rhs: &Expr) -> bool {
     if is_prefix(rhs) {
         return false;
@@ -34,19 +34,19 @@ pub(super) fn right(op: BinaryOp, rhs: &Expr) -> bool {
     level(rhs) < op.level() || level(rhs) == op.level() && !groups_right
 }
 
-/// Whether the operand of a unary operator needs parentheses.
+/// Returns whether the operand of a unary operator needs parentheses.
 pub(super) fn operand(op: UnaryOp, operand: &Expr) -> bool {
     let looks_else = match op {
-        // As a comment.
+        // `--` would begin a comment.
         UnaryOp::Neg => begins_with_minus(operand),
-        // As a difference, or an element of an array.
+        // `current -x` would be a difference, `current [x]` an element of an array.
         UnaryOp::Current => begins_with_minus(operand) || begins_with_bracket(operand),
         _ => false,
     };
     looks_else || !is_prefix(operand) && level(operand) < op.level()
 }
 
-/// Whether `.f` or `[i]` can not follow the expression directly.
+/// Returns whether an expression needs parentheses before `.f` or `[i]`.
 pub(super) fn base(base: &Expr) -> bool {
     use ExprKind::{Bool, Merge, Number, Quantity, Str};
     let literal = matches!(
@@ -56,19 +56,20 @@ pub(super) fn base(base: &Expr) -> bool {
     literal || level(base) < LEVEL_PRIMARY
 }
 
-/// Whether an expression before an operator of this level needs parentheses.
+/// Returns whether an expression before an operator of this precedence level needs parentheses.
 fn before(op: Level, groups_left: bool, expr: &Expr) -> bool {
     let weaker = !is_prefix(expr) && (level(expr) < op || level(expr) == op && !groups_left);
     weaker || open_end(expr) <= op
 }
 
-/// Whether the operator at the root stands before its only operand, or before its last one.
+/// Returns whether the root of an expression is a prefix operator or an `if`.
 fn is_prefix(expr: &Expr) -> bool {
     matches!(expr.kind, ExprKind::Unary(..) | ExprKind::If(_))
 }
 
-/// The weakest operator whose operand ends where the expression ends, and would take in whatever
-/// more strongly binding operator follows.
+/// Returns the lowest precedence level of an operator whose last operand ends with the expression.
+///
+/// Such an operand would also absorb a following operator of higher precedence.
 fn open_end(expr: &Expr) -> Level {
     match &expr.kind {
         ExprKind::If(_) => LEVEL_IF,
@@ -96,12 +97,12 @@ fn begins_with_bracket(expr: &Expr) -> bool {
     }
 }
 
-/// Whether the expression begins with a text, which after `assert` would be a label.
+/// Returns whether the expression begins with a string literal, which would be a label after `assert`.
 pub(super) fn begins_with_text(expr: &Expr) -> bool {
     matches!(first(expr).kind, ExprKind::Str(_))
 }
 
-/// The part that the written expression begins with.
+/// Returns the subexpression with the first token of the printed expression.
 fn first(expr: &Expr) -> &Expr {
     match &expr.kind {
         ExprKind::Binary(binary) if !left(binary.op, &binary.lhs) => first(&binary.lhs),

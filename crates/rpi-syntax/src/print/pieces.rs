@@ -1,11 +1,11 @@
-//! A document as a row of pieces, in which something can be put at any token.
+//! A document as a flat sequence of pieces, into which comments can be inserted at any token.
 
 use super::layout::Doc;
 use crate::token::Token;
 use logos::Logos;
 use std::collections::BTreeMap;
 
-/// What holds other pieces.
+/// Node of a document that encloses other pieces.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Frame {
     Indent(usize),
@@ -14,13 +14,14 @@ pub(super) enum Frame {
     Group,
 }
 
+/// Element of a flat document.
 #[derive(Clone, Debug)]
 pub(super) enum Piece {
     Open(Frame),
     Close(Frame),
-    /// A word or sign of the language.
+    /// Token of the language.
     Token(String),
-    /// Blanks, or a comment.
+    /// White space or a comment.
     Other(String),
     Line,
     Soft,
@@ -40,11 +41,12 @@ impl Piece {
     }
 }
 
-/// What stands between two things, or ends one.
+/// Returns whether a token is a separator.
 pub(super) fn is_separator(token: &str) -> bool {
     matches!(token, "," | ";")
 }
 
+/// Flattens a document into pieces, without recursion.
 pub(super) fn pieces(doc: &Doc) -> Vec<Piece> {
     enum Todo<'d> {
         Doc(&'d Doc),
@@ -93,7 +95,7 @@ pub(super) fn pieces(doc: &Doc) -> Vec<Piece> {
     pieces
 }
 
-/// The tokens of a text and the blanks between them.
+/// Appends the tokens of a text and the white space between them.
 fn tokens(text: &str, pieces: &mut Vec<Piece>) {
     let mut done = 0;
     for (_, range) in Token::lexer(text).spanned() {
@@ -108,7 +110,7 @@ fn tokens(text: &str, pieces: &mut Vec<Piece>) {
     }
 }
 
-/// The document of the pieces, each with what is put before it.
+/// Rebuilds a document from pieces. `put` holds the pieces to insert before an index.
 pub(super) fn rebuilt(pieces: Vec<Piece>, mut put: BTreeMap<usize, Vec<Piece>>) -> Doc {
     let mut open: Vec<Vec<Doc>> = Vec::new();
     let mut parts = Vec::new();

@@ -1,16 +1,16 @@
-//! Tasks: steps in columns.
+//! Printing of tasks, with their steps in columns.
 
 use super::Printer;
 use super::body::{block, one_line_body};
 use super::layout::{Doc, concat, group, indent, nothing, text, word};
 use crate::ast::*;
 
-/// Where the parts of a step stand, in a run of steps.
+/// Column widths of adjacent steps.
 #[derive(Clone, Copy, Default)]
 struct Columns {
     /// Width of the labels, with `:` and a space.
     label: usize,
-    /// Width of the calls; 0 if what follows them is not set in a column.
+    /// Width of the calls; 0 if the branches after them are not aligned.
     call: usize,
 }
 
@@ -52,7 +52,7 @@ impl Printer<'_> {
         }
     }
 
-    /// The body of `repeat`, on the line of its head if it is short enough.
+    /// Prints `repeat` with its body, on one line if it is short enough.
     fn repeat(&mut self, head: Doc, steps: &[Step]) -> Doc {
         let simple = |step: &Step| matches!(step.kind, StepKind::Run(_)) && step.doc.is_none();
         if steps.len() > 2 || !steps.iter().all(simple) {
@@ -66,7 +66,7 @@ impl Printer<'_> {
         group(concat([head, Doc::Line, body]))
     }
 
-    /// One block below the other.
+    /// Prints `parallel` with one block below the other.
     fn parallel(&mut self, strands: &[Strand]) -> Doc {
         let mut parts = vec![word("parallel")];
         for strand in strands {
@@ -115,7 +115,7 @@ impl Printer<'_> {
         concat(branches)
     }
 
-    /// The columns of each step; steps with labels in a row share them.
+    /// Returns the columns of each step. Adjacent steps with labels share their columns.
     fn columns(&self, steps: &[Step]) -> Vec<Columns> {
         let labelled =
             |step: &Step| matches!(&step.kind, StepKind::Run(run) if run.label.is_some());
@@ -141,7 +141,7 @@ impl Printer<'_> {
         }
     }
 
-    /// The width of the call, if there is room for its branches on the same line.
+    /// Returns the width of a call, if its branches fit on the same line.
     fn width_in_column(&self, run: &Run, label: usize) -> Option<usize> {
         if run.branches.is_empty() {
             return None;
@@ -156,7 +156,7 @@ impl Printer<'_> {
     }
 }
 
-/// Longer steps are broken; the rest of a line is for indentation.
+/// Maximum width of a step on one line. The rest of the line is left for indentation.
 const ROOM: usize = super::layout::WIDTH - 10;
 
 fn on_result(result: &OnResult) -> &str {

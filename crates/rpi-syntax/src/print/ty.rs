@@ -1,4 +1,4 @@
-//! Types, units and variables.
+//! Printing of types, units and variables.
 
 use super::Printer;
 use super::layout::{Doc, concat, nothing, text, word};
@@ -20,7 +20,7 @@ impl Printer<'_> {
                 concat([self.ty(&array.element), word("^"), self.size(&array.size)])
             }
             TypeKind::Optional(inner) => {
-                // Two in a row would read as `??`.
+                // Two adjacent `?` would be lexed as `??`.
                 let twice = matches!(inner.kind, TypeKind::Optional(_));
                 concat([self.ty(inner), word(if twice { " ?" } else { "?" })])
             }
@@ -53,7 +53,7 @@ impl Printer<'_> {
         }
     }
 
-    /// `{ x: int | x > 0 }`
+    /// Prints a refinement type: `{ x: int | x > 0 }`.
     pub(super) fn refined(&mut self, refined: &Refined) -> Doc {
         let name = self.name(&refined.name);
         let (base, condition) = (self.ty(&refined.base), self.expr(&refined.condition));
@@ -85,7 +85,7 @@ impl Printer<'_> {
         concat([head, word("("), frames, word(")")])
     }
 
-    /// The size of an array; what is no plain arithmetic stands in parentheses.
+    /// Prints the size of an array, in parentheses unless it is plain arithmetic.
     fn size(&mut self, size: &Expr) -> Doc {
         let inner = self.expr(size);
         match is_arithmetic(size) {
@@ -124,7 +124,7 @@ impl Printer<'_> {
         })
     }
 
-    /// `a, b: T when c = d`
+    /// Prints a declaration of variables: `a, b: T when c = d`.
     pub(super) fn var_decl(&mut self, var: &VarDecl) -> Doc {
         let head = if var.is_const { "const " } else { "" };
         let mut parts = vec![
@@ -143,13 +143,13 @@ impl Printer<'_> {
         concat(parts)
     }
 
-    /// `a, b: T = e`
+    /// Prints a definition of constants: `a, b: T = e`.
     pub(super) fn const_def(&mut self, def: &ConstDef) -> Doc {
         let doc = self.doc_lines(def.doc.as_ref());
         concat([doc, self.constant(def)])
     }
 
-    /// The same without its documentation.
+    /// Prints a definition of constants without its documentation.
     fn constant(&mut self, def: &ConstDef) -> Doc {
         let mut parts = vec![text(names(&def.names))];
         if let Some(ty) = &def.ty {
@@ -161,12 +161,12 @@ impl Printer<'_> {
         concat(parts)
     }
 
-    /// `(a: T; b: U)`
+    /// Prints a list of ports: `(a: T; b: U)`.
     pub(super) fn ports(&mut self, ports: &[VarDecl]) -> Doc {
         self.list(PORTS, ports, |port| port.span, Self::var_decl)
     }
 
-    /// `<<a: T; type t>>`, with a space before it
+    /// Prints static parameters with a space before them: `<<a: T; type t>>`.
     pub(super) fn static_params(&mut self, params: &[StaticParam]) -> Doc {
         match params {
             [] => nothing(),
@@ -189,7 +189,7 @@ impl Printer<'_> {
                 concat([word("type "), self.name(name), constraint])
             }
             StaticParamKind::Value(def) => {
-                // Lustre V6 has no parameter without a word before it.
+                // Lustre V6 requires a keyword before each static parameter.
                 let head = if self.mode == Mode::Lustre {
                     "const "
                 } else {
@@ -206,13 +206,13 @@ impl Printer<'_> {
 }
 
 impl Printer<'_> {
-    /// A name that a head declares.
+    /// Prints a name, with its source offset.
     pub(super) fn name(&self, name: &Ident) -> Doc {
         self.part(name.span, text(&*name.name))
     }
 }
 
-/// Whether the size of an array needs no parentheses.
+/// Returns whether the size of an array is plain arithmetic, which needs no parentheses.
 fn is_arithmetic(size: &Expr) -> bool {
     use BinaryOp::{Add, Div, IntDiv, Mod, Mul, Sub};
     match &size.kind {
@@ -226,19 +226,19 @@ fn is_arithmetic(size: &Expr) -> bool {
     }
 }
 
-/// `a, b`
+/// Returns names separated by commas: `a, b`.
 pub(super) fn names(names: &[Ident]) -> String {
     let names: Vec<&str> = names.iter().map(|name| name.name.as_str()).collect();
     names.join(", ")
 }
 
-/// `a.b`
+/// Returns the text of a qualified name: `a.b`.
 pub(super) fn dotted(dotted: &Dotted) -> String {
     let parts: Vec<&str> = dotted.parts.iter().map(|part| part.name.as_str()).collect();
     parts.join(".")
 }
 
-/// `<T; U>` behind the name of a type, and of a node of Kind 2.
+/// Prints type parameters after the name of a type, or of a node of Kind 2: `<T; U>`.
 pub(super) fn type_params(params: &[StaticParam]) -> Doc {
     let names = params.iter().filter_map(|param| match &param.kind {
         StaticParamKind::Type(name, _) => Some(name.name.as_str()),
@@ -251,7 +251,7 @@ pub(super) fn type_params(params: &[StaticParam]) -> Doc {
     }
 }
 
-/// Whether a parameter is written `T`, without the word `type`.
+/// Returns whether a type parameter was written as `T`, without the keyword `type`.
 fn is_bare(param: &StaticParam) -> bool {
     matches!(&param.kind, StaticParamKind::Type(name, _) if name.span == param.span && !param.span.is_none())
 }

@@ -1,8 +1,8 @@
-//! Puts the comments of a source into the document that its tree has become.
+//! Inserts the comments of a source into the document of its tree.
 //!
-//! A comment stays between the two tokens it stands between, separators aside: at the end of the line of the one, in the line
-//! of the other, or on a line of its own. The line that a comment ends is broken where the document allows it, else a step
-//! further right.
+//! A comment stays between the same two tokens, separators ignored: at the end of the line of the first token, on the
+//! line of the second, or on a line of its own. After a comment that ends a line, the line is broken where the document
+//! allows a break. Elsewhere, the next line is indented by one step.
 
 use super::align::{Printed, align};
 use super::gaps::{Gap, Source, is_closer};
@@ -12,6 +12,7 @@ use crate::comments::{Comment, CommentKind};
 use std::collections::BTreeMap;
 use std::ops::Range;
 
+/// Returns the document with the comments of the source.
 pub(super) fn weave(doc: Doc, source: &Source<'_>) -> Doc {
     if source.comments.is_empty() {
         return doc;
@@ -36,10 +37,11 @@ pub(super) fn weave(doc: Doc, source: &Source<'_>) -> Doc {
     rebuilt(weaver.pieces, weaver.put)
 }
 
-/// Between which tokens of the document something comes to stand.
+/// Position in the document: indices of the words before and after it.
 type Place = (Option<usize>, Option<usize>);
 
-/// The comments that come to stand at one place, for each place: between them may be words that the style leaves out.
+/// Groups the comments by their position in the document.
+// Words between two comments may be omitted by the style, so comments from different gaps can meet in one position.
 fn together<'a>(source: &Source<'a>, became: &[Option<usize>]) -> Vec<(&'a [Comment], Place)> {
     let place = |comment: &Comment| {
         let next = source.word_at(comment.span.start);
@@ -60,12 +62,12 @@ fn together<'a>(source: &Source<'a>, became: &[Option<usize>]) -> Vec<(&'a [Comm
         .collect()
 }
 
-/// Whether it is a token that comments stand before or behind.
+/// Returns whether a piece is a word: a token that is not a separator.
 fn is_word(piece: &Piece) -> bool {
     matches!(piece, Piece::Token(_)) && !piece.is_separator()
 }
 
-/// The tokens of the document, those that a part begins with at their place in the source.
+/// Returns the words of the document. A word at the beginning of a part has its source token as anchor.
 fn printed<'p>(pieces: &'p [Piece], words: &[usize], source: &Source<'_>) -> Vec<Printed<'p>> {
     let mut from = 0;
     let word = |i: &usize| {
@@ -85,7 +87,7 @@ fn printed<'p>(pieces: &'p [Piece], words: &[usize], source: &Source<'_>) -> Vec
     words.iter().map(word).collect()
 }
 
-/// Whether each piece stands in what hangs, with no other indentation in between.
+/// Returns for each piece whether its innermost indenting frame is [`Frame::Hang`].
 fn hangs(pieces: &[Piece]) -> Vec<bool> {
     let mut open = vec![false];
     let hang = |piece: &Piece| {
@@ -100,7 +102,7 @@ fn hangs(pieces: &[Piece]) -> Vec<bool> {
     pieces.iter().map(hang).collect()
 }
 
-/// For each piece where what it begins ends; what begins nothing ends where it stands.
+/// Returns for each piece the index after its closing piece; its own index if it opens nothing.
 fn ends(pieces: &[Piece]) -> Vec<usize> {
     let mut ends: Vec<usize> = (0..pieces.len()).collect();
     let mut open = Vec::new();
@@ -114,6 +116,7 @@ fn ends(pieces: &[Piece]) -> Vec<usize> {
     ends
 }
 
+/// Returns the piece ranges that are always printed on one line.
 fn flats(pieces: &[Piece]) -> Vec<Range<usize>> {
     let mut flats: Vec<Range<usize>> = Vec::new();
     for (i, piece) in pieces.iter().enumerate() {
@@ -126,33 +129,36 @@ fn flats(pieces: &[Piece]) -> Vec<Range<usize>> {
     flats
 }
 
+/// State of the insertion of comments.
 struct Weaver<'s> {
     source: &'s Source<'s>,
     pieces: Vec<Piece>,
-    /// The pieces that are tokens.
+    /// Indices of the pieces that are words.
     words: Vec<usize>,
+    /// For each piece, whether its innermost indenting frame is [`Frame::Hang`].
     hangs: Vec<bool>,
-    /// Where what is always on one line begins and ends.
+    /// Ranges of pieces that are always on one line.
     flats: Vec<Range<usize>>,
-    /// Behind what each piece begins.
+    /// For each piece, the index after its closing piece.
     ends: Vec<usize>,
-    /// What is put before a piece.
+    /// Pieces to insert before a piece, by its index.
     put: BTreeMap<usize, Vec<Piece>>,
 }
 
-/// What stands between two tokens of the document.
+/// Pieces between two words of the document.
 struct Between {
-    /// From behind the one, and the separator that follows it, to the other.
+    /// Range from the first word, or the separator after it, to the second word.
     range: Range<usize>,
-    /// Where the line is broken.
+    /// Index of the first line break in the range.
     line_end: Option<usize>,
-    /// Whether the token behind it ends what another began.
+    /// Whether the second word closes a bracket or block.
     closes: bool,
-    /// Whether a separator stands before it.
+    /// Whether a separator follows the first word.
     separated: bool,
 }
 
 impl Weaver<'_> {
+    /// Inserts the comments between two words.
     fn gap(&mut self, mut gap: Gap<'_>, before: Option<usize>, behind: Option<usize>) {
         let lead = self.between(behind);
         let after = before.map_or(0, |word| self.words[word] + 1);
@@ -163,7 +169,7 @@ impl Weaver<'_> {
             let all = gap.behind.iter().chain(&gap.own).chain(&gap.ahead);
             let lines = all.flat_map(|c| [self.comment(c), Piece::Hard]);
             let lines = lines.collect();
-            // What stands before it in its line gets one of its own.
+            // Text inserted earlier before the same piece gets a line of its own.
             if let Some(room @ Piece::Other(_)) =
                 self.put.get_mut(&frame).and_then(|p| p.last_mut())
             {
@@ -181,7 +187,8 @@ impl Weaver<'_> {
         self.put(self.before_flat(lead.range.end), ahead);
     }
 
-    /// Before what is always on one line, if a token begins it: what stood in it comes to stand there, too, behind this.
+    /// Returns the start of the flat range that begins with this word, else the word's own index.
+    // Other comments of the flat range are also inserted there, after this one.
     fn before_flat(&self, word: usize) -> usize {
         let next = self.flats.partition_point(|flat| flat.end < word);
         let around = self.flats.get(next).filter(|flat| flat.start < word);
@@ -192,7 +199,7 @@ impl Weaver<'_> {
         around.filter(is_first).map_or(word, |flat| flat.start)
     }
 
-    /// Comments in the line of the token before them, where no line ends between them and what they stand before.
+    /// Inserts comments between a word and its separator or closing bracket.
     fn within(&mut self, gap: &mut Gap<'_>, after: usize) {
         let breaks = !gap.behind.is_empty() || !gap.own.is_empty();
         if self.ends_line(after) || breaks && self.behind_separator(after) == after {
@@ -203,7 +210,7 @@ impl Weaver<'_> {
         self.put(after, within);
     }
 
-    /// Comments at the end of a line.
+    /// Inserts comments at the end of a line.
     fn behind(&mut self, gap: &mut Gap<'_>, end: usize, lead: &Between) {
         if gap.behind.is_empty() {
             return;
@@ -218,11 +225,12 @@ impl Weaver<'_> {
             self.break_line(&follows, gap);
         }
         if apart {
-            // What stands on lines of its own does not stand below them.
+            // The comments on lines of their own are not directly below these.
             gap.behind.clear();
         }
     }
 
+    /// Inserts pieces before index `at`, after earlier insertions there.
     fn put(&mut self, at: usize, pieces: Vec<Piece>) {
         self.put.entry(at).or_default().extend(pieces);
     }
@@ -231,7 +239,7 @@ impl Weaver<'_> {
         Piece::Other(self.source.written(comment))
     }
 
-    /// A comment in a line: behind the token that ends there, or before the one that begins there.
+    /// Returns the pieces of a comment within a line: after a token if `behind`, else before one.
     fn inline(&self, at: usize, comment: &Comment, behind: bool) -> Vec<Piece> {
         let touches = |piece: Option<&Piece>| match piece {
             Some(Piece::Token(text)) => !matches!(text.as_str(), "(" | "[" | "{" | "<<"),
@@ -248,14 +256,14 @@ impl Weaver<'_> {
         pieces
     }
 
-    /// Whether a line can end before the next token.
+    /// Returns whether a line break is possible before the next token.
     fn ends_line(&self, after: usize) -> bool {
         let mut rest = self.pieces[after..].iter();
         let next = rest.find(|p| p.is_break() || matches!(p, Piece::Token(_)));
         next.is_none_or(Piece::is_break)
     }
 
-    /// Behind the separator that follows directly, if there is one.
+    /// Returns the index after the separators that directly follow, or `after`.
     fn behind_separator(&self, after: usize) -> usize {
         let mut end = after;
         for (i, piece) in self.pieces.iter().enumerate().skip(after) {
@@ -268,25 +276,25 @@ impl Weaver<'_> {
         end
     }
 
-    /// Behind what ends directly, which a comment behind it does not break.
+    /// Returns the index after the frames that close at `after`, so that a comment there does not break them.
     fn behind_frames(&self, after: usize) -> usize {
         let indents = |piece: &&Piece| matches!(piece, Piece::Close(Frame::Indent(_)));
         let ends = |p: &&Piece| matches!(p, Piece::Close(_) | Piece::At(_)) && !indents(p);
         let count = self.pieces[after..].iter().take_while(ends).count();
-        // A place belongs to what follows it.
+        // An offset belongs to the piece after it.
         let is_end = |i: &usize| matches!(self.pieces[*i], Piece::Close(_));
         let last = (after..after + count).rfind(is_end);
         last.map_or(after, |last| last + 1)
     }
 
-    /// Before what begins directly before a place, which a line end there does not break.
+    /// Returns the index before the frames that open at the end of a range, so that a line break does not break them.
     fn before_frames(&self, range: &Range<usize>) -> usize {
         let begins = |piece: &&Piece| matches!(piece, Piece::Open(_) | Piece::At(_));
         let begun = self.pieces[range.clone()].iter().rev().take_while(begins);
         range.end - begun.count()
     }
 
-    /// What stands before a token, or at the end.
+    /// Returns the pieces before a word, or after the last word.
     fn between(&self, word: Option<usize>) -> Between {
         let count = self.words.len();
         let word = word.unwrap_or(count);
@@ -303,21 +311,22 @@ impl Weaver<'_> {
         }
     }
 
-    /// Whether a token ends what another began.
+    /// Returns whether a word closes a bracket or block.
     fn closes(&self, word: Option<usize>) -> bool {
         let at = word.and_then(|word| self.words.get(word));
         let piece = at.and_then(|at| self.pieces.get(*at));
         matches!(piece, Some(Piece::Token(text)) if is_closer(text))
     }
 
-    /// Where what is always on one line begins, if both places are in it.
+    /// Returns the start of the flat range that contains both positions.
     fn flat_around(&self, from: usize, to: usize) -> Option<usize> {
         let next = self.flats.partition_point(|flat| flat.end < to);
         let flat = self.flats.get(next)?;
         (flat.start < from).then_some(flat.start)
     }
 
-    /// Behind what is always on one line, if one place is in it and the other behind it: no comment ends a line of it.
+    /// Returns the end of the flat range that contains `from` but not `to`, else `from`.
+    // No comment may end a line within a flat range.
     fn out_of_flat(&self, from: usize, to: usize) -> usize {
         let next = self.flats.partition_point(|flat| flat.end < from);
         let around = self.flats.get(next);
@@ -325,7 +334,7 @@ impl Weaver<'_> {
         around.map_or(from, |flat| flat.end)
     }
 
-    /// Breaks the line behind a comment that ends it.
+    /// Breaks the line after a comment at its end.
     fn break_line(&mut self, between: &Between, gap: &Gap<'_>) {
         if between.range.end >= self.pieces.len() {
             return;
@@ -351,12 +360,12 @@ impl Weaver<'_> {
         ahead.unwrap_or(gap.next)
     }
 
-    /// Whether it is a doc comment that does not go on at an offset.
+    /// Returns whether a comment is a doc comment that does not continue at offset `next`.
     fn ends_documentation(&self, comment: &Comment, next: u32) -> bool {
         comment.kind == CommentKind::Doc && !self.source.documents(comment.span.end, next)
     }
 
-    /// Pieces a step further right, with what begins there.
+    /// Inserts pieces before index `at` and indents them, with the frame that opens there, by one step.
     fn step(&mut self, at: usize, pieces: Vec<Piece>) {
         let hangs = self.hangs.get(at).copied().unwrap_or_default();
         let frame = Frame::Indent(if hangs { 2 * STEP } else { STEP });
@@ -365,7 +374,7 @@ impl Weaver<'_> {
             (put, pieces.first()),
             (Some(Piece::Hard), Some(Piece::Hard))
         ) {
-            // The line is broken there already.
+            // An earlier comment has already broken the line there.
             return self.put(at, pieces.into_iter().skip(1).collect());
         }
         self.put(at, vec![Piece::Open(frame)]);
@@ -376,7 +385,7 @@ impl Weaver<'_> {
         self.put(end, vec![Piece::Close(frame)]);
     }
 
-    /// Comments on lines of their own.
+    /// Inserts comments on lines of their own.
     fn own(&mut self, between: &Between, gap: &Gap<'_>, first: bool) {
         let Between {
             range, line_end, ..
@@ -391,7 +400,7 @@ impl Weaver<'_> {
         match *line_end {
             _ if first && range.end < self.pieces.len() => self.put(0, below(lines, last)),
             _ if range.end >= self.pieces.len() => {
-                // A text of comments alone begins with the first of them.
+                // A file with nothing but comments begins with the first comment, not with a line break.
                 let lines = above(lines).into_iter().skip(usize::from(first));
                 self.put(range.end, lines.collect());
             }
@@ -424,12 +433,12 @@ impl Weaver<'_> {
         }
     }
 
-    /// Where the lines of a block end, before what closes it.
+    /// Returns the index of the piece that ends the indentation of a block, before its closing keyword.
     fn block_end(&self, mut range: Range<usize>) -> Option<usize> {
         range.rfind(|i| matches!(self.pieces[*i], Piece::Close(Frame::Indent(_))))
     }
 
-    /// Whether an empty line stands before each comment, and before what follows the last one.
+    /// Returns whether an empty line precedes each comment, and the piece after the last comment.
     fn blanks(&self, between: &Between, gap: &Gap<'_>, first: bool) -> Vec<bool> {
         let source = self.source;
         let pieces = &self.pieces[between.range.clone()];
@@ -462,7 +471,7 @@ impl Weaver<'_> {
     }
 }
 
-/// Lines behind the end of one.
+/// Returns comment lines for a position after a line break: each line is followed by a line break.
 fn below(lines: Vec<(bool, Piece)>, last: bool) -> Vec<Piece> {
     let mut pieces = Vec::new();
     for (blank, line) in lines {
@@ -473,7 +482,7 @@ fn below(lines: Vec<(bool, Piece)>, last: bool) -> Vec<Piece> {
     pieces
 }
 
-/// Lines before the end of one.
+/// Returns comment lines for a position before a line break: each line is preceded by a line break.
 fn above(lines: Vec<(bool, Piece)>) -> Vec<Piece> {
     let lines = lines.into_iter().flat_map(|(blank, line)| {
         let empty = blank.then_some(Piece::Empty);

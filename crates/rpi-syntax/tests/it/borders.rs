@@ -1,12 +1,13 @@
-//! Comments and ends of lines between any two tokens: formatted once, nothing is left to change, and all comments are there in
-//! their order.
+//! Property tests of the formatter with comments and line breaks inserted between random tokens.
+//!
+//! Formatting is idempotent, and all comments are kept in their order.
 
 use crate::support::{assert_same, programs};
 use proptest::prelude::*;
 use rpi_syntax::{Mode, format, pieces};
 use std::path::Path;
 
-/// What is put between two tokens; `#` becomes a number.
+/// Texts that are inserted between two tokens. `#` is replaced by a unique word.
 const PUT: &[&str] = &[
     "(*#*)",
     " (*#*) ",
@@ -20,7 +21,7 @@ const PUT: &[&str] = &[
     "\n\n",
 ];
 
-/// The programs of the crate, formatted ones among them, that a comment moves through with its words.
+/// Returns the test programs: those of `tests/programs` and those of `tests/unformatted`.
 fn all() -> Vec<(String, Mode)> {
     let programs = programs().into_iter().map(|p| (p.text, p.mode));
     let mut all: Vec<(String, Mode)> = programs.collect();
@@ -35,6 +36,7 @@ fn all() -> Vec<(String, Mode)> {
     all
 }
 
+/// Returns a text with `PUT[what]` inserted before the given tokens.
 fn with(text: &str, mode: Mode, put: &[(prop::sample::Index, usize)]) -> String {
     let borders: Vec<usize> = pieces(text, mode).iter().map(|p| p.range.start).collect();
     let mut places: Vec<(usize, usize)> = put
@@ -49,7 +51,7 @@ fn with(text: &str, mode: Mode, put: &[(prop::sample::Index, usize)]) -> String 
     with
 }
 
-/// The comments that were put in, in their order.
+/// Returns the unique words of the inserted comments, in text order.
 fn marks(text: &str) -> Vec<&str> {
     let is_mark = |word: &&str| {
         word.strip_prefix('k')
@@ -70,11 +72,11 @@ proptest! {
         let all = all();
         let (text, mode) = &all[program.index(all.len())];
         let text = with(text, *mode, &put);
-        // Between some tokens nothing can stand.
+        // Some insertions give a text with errors, which is not formatted.
         if let Ok(once) = format(&text, *mode) {
             let again = format(&once, *mode).unwrap_or_else(|_| panic!("has errors:\n{once}"));
             assert_same(&once, &again, "formatting again changes something");
-            // What starts a call afresh is written behind what activates it.
+            // The style moves `restart every` after `every` in an `activate`, so comments may change their order.
             if !text.contains("activate") {
                 prop_assert_eq!(marks(&text), marks(&once), "in\n{}\n---\n{}", text, once);
             }

@@ -1,5 +1,6 @@
-//! Programs with faults: which findings, and where. Each file of `tests/broken` ends with comments
-//! that say what is found in it; `BLESS=1` writes them anew.
+//! Diagnostics of programs with syntax errors.
+//!
+//! Each file of `tests/broken` ends with comments that list its expected diagnostics. `BLESS=1` rewrites them.
 
 use rpi_diag::{Code, FileId, Finding, SourceMap};
 use rpi_syntax::ast::{ItemKind, StatementKind};
@@ -18,7 +19,7 @@ fn faults_are_found_once_and_in_place() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// What differs between what a file says and what is found.
+/// Compares the expected and actual diagnostics of a file. Returns a description of the difference.
 fn check(path: &Path) -> Option<String> {
     let text = std::fs::read_to_string(path).expect("programs are UTF-8");
     let (program, says) = text.split_once(MARK).unwrap_or((&text, ""));
@@ -45,7 +46,7 @@ fn found(program: &str, mode: Mode) -> String {
         .collect()
 }
 
-/// The names that the tree of a text declares, broken or not.
+/// Returns the names that the tree of a text declares, including those in error nodes.
 fn declared(text: &str) -> Vec<String> {
     let file = parse(FileId(0), text, Mode::Rpi).file;
     let names = |kind: &ItemKind| match kind {
@@ -134,7 +135,7 @@ fn deep_nesting_is_refused_before_it_hurts() {
     }
 }
 
-/// Each of these may stand before or behind itself without a bracket that would limit it.
+/// Each of these operators can be chained without brackets, so every repetition must count as a nesting level.
 #[test]
 fn every_operator_of_lustre_counts_as_a_level() {
     for (before, behind) in [

@@ -1,4 +1,4 @@
-//! Formatting: the same tree, the same comments, and nothing left to change.
+//! Tests of the formatter: it keeps the tree and the comments, and it is idempotent.
 
 use crate::support::{assert_same, comments, exact, meaning, parse_clean, programs};
 use rpi_syntax::{Mode, format, print};
@@ -9,13 +9,13 @@ fn formatted(text: &str, mode: Mode) -> String {
     format(text, mode).unwrap_or_else(|_| panic!("has errors:\n{text}"))
 }
 
-/// What must hold of every text without errors.
+/// Checks the properties of the formatter for a text without errors.
 #[track_caller]
 pub(crate) fn check(text: &str, mode: Mode) {
     check_beside(text, mode, &[",", ";"]);
 }
 
-/// The same; comments may pass over these words and signs.
+/// Checks the properties of the formatter. Comments may move past the tokens in `passed`.
 #[track_caller]
 pub(crate) fn check_beside(text: &str, mode: Mode, passed: &[&str]) {
     let before = parse_clean(text, mode);
@@ -26,7 +26,7 @@ pub(crate) fn check_beside(text: &str, mode: Mode, passed: &[&str]) {
         &exact(&after.file),
         &format!("in\n{text}\n---\n{once}\nthe tree changes"),
     );
-    // A property in a comment becomes one in a line, with what it holds before it.
+    // A property in a block comment becomes a line comment, and comments within it are moved before it.
     let moves = text.contains("(*%PROPERTY");
     let list = |comments: Vec<(String, String, String)>| {
         let shown = comments
@@ -76,7 +76,7 @@ fn trees_without_text_read_back() {
     }
 }
 
-/// Programs out of style, and what becomes of them.
+/// Formatting a program of `tests/unformatted` gives the program of the same name in `tests/formatted`.
 #[test]
 fn programs_become_formatted_ones() {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/unformatted");
@@ -98,7 +98,7 @@ fn programs_become_formatted_ones() {
     assert!(count > 0);
 }
 
-/// Programs as they should look.
+/// Formatting does not change the programs of `tests/formatted`.
 #[test]
 fn formatted_programs_stay_as_they_are() {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/formatted");

@@ -1,4 +1,4 @@
-//! The front end on whole programs, on broken ones, and on made-up trees.
+//! Tests of the front end on whole programs, on programs with errors, and on generated trees.
 
 mod borders;
 mod broken;

@@ -1,9 +1,9 @@
-//! A word that is a keyword by its place is a name in every place of an expression.
+//! A contextual keyword is a valid name in every position of an expression.
 
 use rpi_diag::FileId;
 use rpi_syntax::{KEYWORDS, Mode, parse};
 
-/// Places of a flow `@` in a body.
+/// Positions of a flow `@` in a body.
 const PLACES: &[&str] = &[
     "y = @;",
     "y = @ * 2.0;",
@@ -60,13 +60,13 @@ const PLACES: &[&str] = &[
     "automaton initial state S unless @ * 2.0 > 1.0 then S; let z = @ * 2.0; tel until @ > 1.0 then S; end",
 ];
 
-/// What a place means for one of the words that stand before an operand: there it is no name.
+/// Returns whether `current` or `last` is an operator, not a name, in a position.
 fn is_operator(word: &str, place: &str) -> bool {
     let operand = ["@ - ", "@ (", "@[", "@, z,", "@ -> @"];
     matches!(word, "current" | "last") && operand.iter().any(|form| place.contains(form))
 }
 
-/// What is wrong with a place where a word stands.
+/// Returns the first diagnostic message of a position with a given word, if any.
 fn fault(word: &str, place: &str, mode: Mode) -> Option<String> {
     let head = match mode {
         Mode::Rpi => "command T ()",

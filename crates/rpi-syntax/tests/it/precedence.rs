@@ -1,11 +1,11 @@
-//! How operators group, case by case.
+//! Tests of operator precedence and associativity.
 
 use crate::support::{meaning, parse_clean};
 use rpi_diag::FileId;
 use rpi_syntax::ops::{BINARY, Grouping, UNARY, UnaryOp, UnaryRow};
 use rpi_syntax::{Mode, parse, print};
 
-/// The tree of an expression, without the program around it.
+/// Returns the dump of an expression's tree, without the program around it.
 fn tree(expr: &str) -> String {
     let text = format!("const x = {expr};");
     let dump = meaning(&parse_clean(&text, Mode::Rpi).file);
@@ -109,7 +109,7 @@ fn every_pair_of_operators_groups_by_the_table() {
 
 #[test]
 fn every_unary_operator_groups_by_the_table() {
-    // `last` is for names; before a bracket it is one itself.
+    // `last` applies to names only; before a bracket it is a name itself.
     let plain = |unary: &&UnaryRow| unary.op != UnaryOp::Last && !unary.only_lustre;
     for unary in UNARY.iter().filter(plain) {
         for binary in BINARY.iter().filter(|row| !row.only_lustre) {

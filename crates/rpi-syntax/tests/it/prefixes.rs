@@ -1,4 +1,4 @@
-//! Every prefix of every program, and every program with a token taken out or doubled, has a tree.
+//! Every prefix and suffix of every program, and every program with a word deleted or doubled, gets a tree.
 
 use crate::support::programs;
 use rpi_diag::FileId;
@@ -47,7 +47,7 @@ fn a_missing_or_doubled_word_leaves_a_tree() {
     }
 }
 
-/// Findings lie in the text and in its order; declarations follow one another.
+/// Checks that diagnostics lie in the text and in text order, and that declarations do not overlap.
 fn places_are_in_order(parsed: &rpi_syntax::Parse, text: &str) {
     for finding in &parsed.findings {
         for label in &finding.labels {

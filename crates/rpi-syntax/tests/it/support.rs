@@ -1,18 +1,18 @@
-//! What the tests share.
+//! Helpers of the tests.
 
 use rpi_diag::{FileId, SourceMap, Style, render};
 use rpi_syntax::ast::File;
 use rpi_syntax::{Mode, Parens, Parse, dump_ast, parse};
 use std::path::Path;
 
-/// A program of `tests/programs`.
+/// Program of `tests/programs`.
 pub(crate) struct Program {
     pub(crate) name: String,
     pub(crate) text: String,
     pub(crate) mode: Mode,
 }
 
-/// All programs of `tests/programs`, by name.
+/// Returns all programs of `tests/programs`, sorted by name.
 pub(crate) fn programs() -> Vec<Program> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/programs");
     let files = std::fs::read_dir(folder).expect("the folder is part of the crate");
@@ -32,7 +32,7 @@ pub(crate) fn programs() -> Vec<Program> {
     paths.iter().map(program).collect()
 }
 
-/// The tree of a text without errors; shows them if there are any.
+/// Parses a text without errors. Panics with the rendered errors if there are any.
 #[track_caller]
 pub(crate) fn parse_clean(text: &str, mode: Mode) -> Parse {
     let parsed = parse(FileId(0), text, mode);
@@ -50,17 +50,17 @@ pub(crate) fn parse_clean(text: &str, mode: Mode) -> Parse {
     parsed
 }
 
-/// The tree as text, with the writer's parentheses.
+/// Dumps a tree with the parentheses of the source.
 pub(crate) fn exact(file: &File) -> String {
     dump_ast(file, Parens::Keep)
 }
 
-/// The tree as text, without the writer's parentheses.
+/// Dumps a tree without the parentheses of the source.
 pub(crate) fn meaning(file: &File) -> String {
     dump_ast(file, Parens::Drop)
 }
 
-/// Each comment with the words or signs that stand before and behind it; those it may pass over are left out.
+/// Returns each comment with the tokens before and after it. Tokens in `passed` are ignored.
 pub(crate) fn comments(
     text: &str,
     parsed: &Parse,
@@ -89,7 +89,7 @@ pub(crate) fn comments(
     found
 }
 
-/// Notes the first of the words behind the comments that wait for one, and the last before those to come.
+/// Stores the first word as the token after the waiting comments, and the last as the token before the next ones.
 fn settle(
     found: &mut [(String, String, String)],
     waiting: &mut usize,
@@ -106,7 +106,7 @@ fn settle(
     before.clone_from(last);
 }
 
-/// The words and signs of a text.
+/// Splits a text into words and single symbols, without those in `left_out`.
 fn words(text: &str, left_out: &[&str]) -> Vec<String> {
     let mut words: Vec<String> = Vec::new();
     let is_word = |c: char| c.is_alphanumeric() || "_'".contains(c);
@@ -123,7 +123,7 @@ fn words(text: &str, left_out: &[&str]) -> Vec<String> {
     words
 }
 
-/// Compares two texts line by line, and shows the first difference.
+/// Asserts that two texts are equal. Panics with the first line that differs.
 #[track_caller]
 pub(crate) fn assert_same(left: &str, right: &str, what: &str) {
     let differs = |(_, (a, b)): &(usize, (&str, &str))| a != b;

@@ -1,4 +1,4 @@
-//! Trees without text that the generator made up: printed and read, they are the same.
+//! Property tests on generated trees without source: printing and parsing them gives the same tree.
 
 use crate::format::{check, check_beside};
 use crate::support::{assert_same, meaning, parse_clean, programs};
@@ -7,7 +7,7 @@ use rpi_syntax::ast::*;
 use rpi_syntax::ops::{BINARY, BinaryOp, UNARY, UnaryOp};
 use rpi_syntax::{Mode, print};
 
-/// Takes the writer's parentheses out of constants.
+/// Removes the parentheses of the source from constants.
 pub(crate) fn strip_parens(file: &mut File) {
     for item in &mut file.items {
         if let ItemKind::Const(defs) = &mut item.kind {
@@ -41,7 +41,7 @@ fn strip(expr: &mut Expr) {
     }
 }
 
-/// Plain names, predeclared ones among them.
+/// Generates plain names, including predeclared ones.
 fn name() -> impl Strategy<Value = Name> {
     const NAMES: &[&str] = &[
         "x",
@@ -63,7 +63,7 @@ fn binary() -> impl Strategy<Value = BinaryOp> {
     prop::sample::select(ops.map(|row| row.op).collect::<Vec<_>>())
 }
 
-/// All but `last`, whose operand is a name.
+/// Generates all unary operators except `last`, whose operand must be a name.
 fn unary() -> impl Strategy<Value = UnaryOp> {
     let ops = UNARY
         .iter()
@@ -449,7 +449,7 @@ proptest! {
     fn comments_anywhere_in_programs_are_kept(program in any::<prop::sample::Index>(), places in prop::collection::vec((any::<prop::sample::Index>(), prop::sample::select(&[0usize, 1, 3, 4][..])), 1..8)) {
         let programs = programs();
         let program = &programs[program.index(programs.len())];
-        // In `.lus` files more is written in another way than signs.
+        // In `.lus` files the style rewrites more than the tokens in `passed`.
         if program.mode == Mode::Rpi {
             let passed = [",", ";", "(", ")", "[", "]", "const"];
             check_beside(&with_comments(&program.text, &places), Mode::Rpi, &passed);
@@ -469,7 +469,7 @@ proptest! {
     }
 }
 
-/// Words and signs that make up programs, in any order.
+/// Tokens for random token sequences.
 const WORDS: &[&str] = &[
     "node",
     "function",
@@ -549,7 +549,7 @@ const WORDS: &[&str] = &[
     "^",
 ];
 
-/// Where something can stand between two words or signs.
+/// Returns the offsets between two tokens, where a comment can be inserted.
 fn gaps(text: &str) -> Vec<usize> {
     let gap = |(at, sign): (usize, char)| match sign {
         ' ' | ')' | ']' | '}' | ',' | ';' => Some(at),
@@ -560,7 +560,7 @@ fn gaps(text: &str) -> Vec<usize> {
     gaps.filter(|at| outside_strings(text, *at)).collect()
 }
 
-/// The text with comments put between its words.
+/// Returns a text with comments inserted between its tokens.
 fn with_comments(text: &str, places: &[(prop::sample::Index, usize)]) -> String {
     const COMMENTS: &[&str] = &[
         " -- c\n",
@@ -594,7 +594,7 @@ fn with_comments(text: &str, places: &[(prop::sample::Index, usize)]) -> String 
     text
 }
 
-/// Whether a place is neither in a text literal nor in a comment.
+/// Returns whether an offset is outside of string literals and line comments.
 fn outside_strings(text: &str, at: usize) -> bool {
     let line = text[..at].rsplit('\n').next().unwrap_or_default();
     line.matches('"').count() - line.matches("\\\"").count() == 0 && !line.contains("--")

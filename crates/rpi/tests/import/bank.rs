@@ -1,4 +1,4 @@
-//! The devices that the recorded nets were made for, simulated, with a note of every set-point.
+//! Simulated devices of the recorded nets, with a log of every set-point.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -6,8 +6,8 @@ use std::ops::Range;
 use rpi_device::{DeviceBank, PortId, PortName, Refusal, ResolveError};
 use rpi_sim::{Cell, SimBank};
 
-/// Two arms side by side. The nets move them from where they stood when the nets were made, so what the controller of an
-/// arm would say to the first set-point is left out.
+/// Two arms side by side. The nets start from the positions at their recording, so the arm's check of the first
+/// set-point is left out.
 pub(crate) const TWO_ARMS: &str = r#"
 [devices.left]
 kind = "arm"
@@ -20,10 +20,10 @@ model = "kuka-lwr4+"
 enforce = []
 "#;
 
-/// The set-points of a cycle, by port.
+/// Set-points of a cycle by port.
 pub(crate) type SetPoints = BTreeMap<String, Vec<u64>>;
 
-/// Simulated devices that write down what they are told.
+/// Simulated devices that log their set-points.
 pub(crate) struct Noting {
     bank: SimBank,
     names: BTreeMap<PortId, String>,
@@ -31,7 +31,7 @@ pub(crate) struct Noting {
 }
 
 impl Noting {
-    /// The devices of a cell; `period_ns` is that of the command that will move them.
+    /// Creates the devices of a cell; `period_ns` is the period of the command that moves them.
     pub(crate) fn new(cell: &str, period_ns: u64) -> Self {
         let cell = Cell::parse("cell.toml", cell).unwrap_or_else(|faults| panic!("{faults}"));
         Noting {
@@ -41,7 +41,7 @@ impl Noting {
         }
     }
 
-    /// Ends a cycle: what was told in it.
+    /// Ends a cycle and returns its set-points.
     pub(crate) fn step(&mut self) -> SetPoints {
         self.bank.step();
         std::mem::take(&mut self.told)

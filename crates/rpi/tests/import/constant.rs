@@ -1,10 +1,10 @@
-//! What the compiler works out beforehand, worked out here, too.
+//! Constant folding, computed independently of the compiler.
 
 use rpi_image::{Role, Value};
 use rpi_net::{Input as Source, Net, NodeId};
 use rpi_prims::fold;
 
-/// The out-ports of nodes that read nothing that changes.
+/// Returns the outputs of all nodes whose inputs are constant.
 pub(crate) fn constants(net: &Net) -> Vec<Option<Vec<Value>>> {
     let mut known: Vec<Option<Vec<Value>>> = vec![None; net.nodes.len()];
     let mut open: Vec<NodeId> = net.node_ids().collect();

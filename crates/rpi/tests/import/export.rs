@@ -1,4 +1,4 @@
-//! Programs, written as nets and read again.
+//! Programs exported as nets and imported again.
 
 use std::path::{Path, PathBuf};
 
@@ -8,10 +8,10 @@ use rpi_net::Net;
 use crate::run::act_alike;
 use crate::trip::program;
 
-/// Period of the examples, ns.
+/// Period of the examples in ns.
 const PERIOD_NS: u64 = 1_000_000;
 
-/// Each command of an example does the same as the net that it is written as, and as the program that this is imported as.
+/// Each command of an example behaves as the exported net and as the program imported from it.
 pub(crate) fn come_back(path: &Path) -> Result<(), String> {
     let compiled = read(path).and_then(|input| compile(&input));
     let compiled = compiled.map_err(|e| e.to_string())?;

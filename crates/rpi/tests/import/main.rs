@@ -1,4 +1,4 @@
-//! Recorded nets, written as programs, formatted and compiled again, do what they did; and programs, written as nets.
+//! Recorded nets, imported as programs, formatted and compiled again, behave as before; and programs exported as nets.
 
 mod bank;
 mod constant;
@@ -12,14 +12,14 @@ use std::path::PathBuf;
 
 use nets::{below, in_parallel, none_wrong};
 
-/// Every recorded value that the program computes, compared as `rpi replay` does.
+/// Every recorded value that the program computes is compared, as `rpi replay` does.
 #[test]
 fn programs_of_the_corpus_agree_with_the_traces_of_their_nets() {
     let nets = below("corpus/nets");
     none_wrong(&nets, in_parallel(&nets, |net| replay::agrees(net)));
 }
 
-/// Nets without traces are run, and so are their programs.
+/// Nets without traces are run beside their programs.
 #[test]
 fn programs_of_the_first_generation_move_the_arms_as_their_nets_do() {
     move_the_arms_alike(&below("v1"));
@@ -34,15 +34,15 @@ fn move_the_arms_alike(nets: &[PathBuf]) {
     let outcomes = in_parallel(nets, |net| run::does_the_same(net));
     let moving = outcomes.iter().filter(|o| **o == Ok(true)).count();
     none_wrong(nets, outcomes.into_iter().map(|o| o.map(|_| ())).collect());
-    // Some nets wait for a word from outside before they move anything.
+    // Some nets wait for an external input before they move anything.
     assert!(2 * moving >= nets.len(), "only {moving} nets moved an arm");
 }
 
-/// M10.6.
+/// Rule M10.6.
 #[test]
 fn programs_of_the_examples_come_back_from_their_nets() {
     let mut programs = rpi_testkit::files_below("examples", &[".rpi"]);
-    // A net is made of a command; other examples have nodes and tests only.
+    // A net is made of a command; other examples have only nodes and tests.
     programs.retain(|path| {
         let text = std::fs::read_to_string(path).expect("it is text");
         text.contains("\ncommand ")

@@ -1,10 +1,10 @@
-//! The nets beside the project, and work on all of them at once.
+//! Lists of the recorded nets, and parallel processing of them.
 
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// All nets in a folder beside the project, by name; none if it is not there.
+/// Returns all nets in a shared folder by name; none if the folder does not exist.
 pub(crate) fn below(folder: &str) -> Vec<PathBuf> {
     let Some(folder) = rpi_testkit::shared_path("nets").map(|nets| nets.join(folder)) else {
         return Vec::new();
@@ -17,14 +17,14 @@ pub(crate) fn below(folder: &str) -> Vec<PathBuf> {
     paths
 }
 
-/// A file's name.
+/// Returns the name of a file.
 pub(crate) fn name(path: &Path) -> String {
     let name = path.file_name().unwrap_or_default();
     name.to_string_lossy().into_owned()
 }
 
-/// Does something with each item on as many threads as there are processors; results in the order of the items. What
-/// takes longest stands last in the folders, and is begun first.
+/// Applies `f` to all items on all processors and returns the results in order. The last items of the folders take
+/// longest and start first.
 pub(crate) fn in_parallel<T: Sync, R: Send>(items: &[T], f: impl Fn(&T) -> R + Sync) -> Vec<R> {
     let next = AtomicUsize::new(0);
     let done = Mutex::new(Vec::new());
@@ -47,7 +47,7 @@ pub(crate) fn in_parallel<T: Sync, R: Send>(items: &[T], f: impl Fn(&T) -> R + S
     done.into_iter().map(|(_, result)| result).collect()
 }
 
-/// Fails with all that is wrong.
+/// Panics with all errors if there are any.
 pub(crate) fn none_wrong(paths: &[PathBuf], outcomes: Vec<Result<(), String>>) {
     let all = paths.iter().zip(outcomes);
     let wrong: Vec<String> = all

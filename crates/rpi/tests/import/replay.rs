@@ -1,4 +1,4 @@
-//! Programs of nets, replayed against what was recorded of the nets.
+//! Programs of nets, replayed against the traces of the nets.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -12,10 +12,10 @@ use crate::constant::constants;
 use crate::nets;
 use crate::trip::Trip;
 
-/// In the names of nodes that the net does not have; no name in a net has it.
+/// Marker of added nodes in names; no name in a net has it.
 const ADDED: char = '#';
 
-/// A net of the corpus becomes a program that agrees with its trace.
+/// A net of the corpus is imported as a program that agrees with its trace.
 pub(crate) fn agrees(path: &Path) -> Result<(), String> {
     let trip = Trip::of(path)?;
     let text = trace_of(path);
@@ -23,7 +23,7 @@ pub(crate) fn agrees(path: &Path) -> Result<(), String> {
     let lost = lost(&trip)?;
     let text = without(&text, &lost, before.renumbered);
     let report = run(&named_as_before(&trip), &text)?;
-    // What the program adds has no rows in the trace, and so counts as recorded absent.
+    // Added nodes have no rows in the trace, so the replay takes them as recorded absent.
     let differing = report.ports.iter().any(|port| !port.port.contains(ADDED));
     match differing || !report.unmatched.is_empty() {
         false => Ok(()),
@@ -47,8 +47,8 @@ fn trace_of(path: &Path) -> String {
     rpi_testkit::read_maybe_gz(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
 }
 
-/// Paths of nodes that the program's net does not have, constants, which stand where they are used; and of fragments
-/// with nothing else in them. Anything else that is lost is an error.
+/// Returns the paths of nodes that the program's net lacks because they are constants, now inlined, and of fragments
+/// with nothing else in them. Anything else missing is an error.
 fn lost(trip: &Trip) -> Result<BTreeSet<String>, String> {
     let constants = constants(&trip.old);
     let mut lost = BTreeSet::new();
@@ -87,7 +87,7 @@ fn lost(trip: &Trip) -> Result<BTreeSet<String>, String> {
     Ok(lost)
 }
 
-/// A trace without the ports of some nodes, its names those of the net.
+/// Returns a trace without the ports of some nodes, with the names of the net.
 fn without(trace: &str, lost: &BTreeSet<String>, shift: i64) -> String {
     let mut kept = String::with_capacity(trace.len());
     for line in trace.lines() {
@@ -105,7 +105,7 @@ fn without(trace: &str, lost: &BTreeSet<String>, shift: i64) -> String {
     kept
 }
 
-/// A path with a number added to those at the ends of its names.
+/// Returns a path with `shift` added to the numbers at the ends of its names.
 fn shifted(name: &str, shift: i64) -> String {
     if shift == 0 || name.starts_with('#') {
         return name.to_owned();
@@ -119,7 +119,7 @@ fn shifted(name: &str, shift: i64) -> String {
     format!("{}.{port}", parts.collect::<Vec<String>>().join("/"))
 }
 
-/// The program's net with the names of the net, and its ports on the borders of fragments.
+/// Returns the program's net with the names of the original net, and with its ports at the borders of fragments.
 fn named_as_before(trip: &Trip) -> Net {
     let mut net = trip.new.clone();
     let back: BTreeMap<NodeId, NodeId> = trip.nodes.iter().map(|(a, b)| (*b, *a)).collect();
@@ -146,7 +146,7 @@ fn named_as_before(trip: &Trip) -> Net {
     net
 }
 
-/// What a link of the old net is in the new one.
+/// Maps a link of the original net to the new one.
 fn now(source: &Input, trip: &Trip, constants: &[Option<Vec<Value>>]) -> Option<Input> {
     let Input::Port(port) = source else {
         return Some(source.clone());

@@ -11,27 +11,27 @@ use rpi_net::Net;
 use crate::bank::{Noting, SetPoints, TWO_ARMS};
 use crate::trip::Trip;
 
-/// How long a net runs: longer than most motions in them.
+/// Number of cycles of a run, longer than most motions of the nets.
 const CYCLES: usize = 200;
-/// Period of the recorded nets, ns.
+/// Period of the recorded nets in ns.
 const PERIOD_NS: u64 = 25_000_000;
 
-/// Cells of a pose: of its position, and of all.
+/// Memory slots of a position and of a pose.
 const POSITION: usize = 3;
 const POSE: usize = 7;
 
-/// What a net did in a cycle.
+/// Observable behaviour of a net in a cycle.
 #[derive(Debug)]
 struct Did {
     told: SetPoints,
-    /// What it published, by key; an absent value is missing.
+    /// Exported values by key; an absent value is missing.
     published: BTreeMap<String, Vec<u64>>,
-    /// Whether it ended, and with an error.
+    /// Whether the net has ended, and if so, whether with an error.
     ended: Option<bool>,
 }
 
 impl Did {
-    /// Whether both are the same to rounding: rotations go through text as angles.
+    /// Compares up to rounding: the text form of rotations uses angles.
     fn is_like(&self, other: &Did) -> bool {
         self.ended == other.ended
             && alike(&self.told, &other.told)
@@ -57,14 +57,15 @@ fn alike(a: &BTreeMap<String, Vec<u64>>, b: &BTreeMap<String, Vec<u64>>) -> bool
     a.keys().eq(b.keys()) && a.values().zip(b.values()).all(same)
 }
 
-/// A net and its program do the same, and nothing goes wrong that the net does not report itself. Whether an arm was
-/// told to move.
+/// Checks that a net and its program behave alike, without errors except those that the net reports itself. Returns
+/// whether an arm had a set-point.
 pub(crate) fn does_the_same(path: &Path) -> Result<bool, String> {
     let trip = Trip::of(path)?;
     act_alike(&trip.old, &trip.new, TWO_ARMS, PERIOD_NS)
 }
 
-/// Two nets do the same in a cell; the second may publish more. Whether a device was told anything.
+/// Checks that two nets behave alike in a cell; the second one may export more. Returns whether a device had a
+/// set-point.
 pub(crate) fn act_alike(old: &Net, new: &Net, cell: &str, period_ns: u64) -> Result<bool, String> {
     let before = run(old, cell, period_ns)?;
     let mut after = run(new, cell, period_ns)?;
@@ -111,7 +112,7 @@ fn published(machine: &Machine) -> BTreeMap<String, Vec<u64>> {
     present.collect()
 }
 
-/// Whether it has ended, and with an error.
+/// Returns whether the run has ended, and if so, whether with an error.
 fn ended(machine: &Machine) -> Result<Option<bool>, String> {
     match machine.verdict(&[]) {
         None => Ok(None),

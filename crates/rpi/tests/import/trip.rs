@@ -1,4 +1,4 @@
-//! From a net to a program and back.
+//! Round trip from a net to a program and back.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -8,18 +8,18 @@ use rpi_driver::{Input, Kind, compile, import, read};
 use rpi_net::{FragmentId, Net, NodeId};
 use rpi_syntax::Mode;
 
-/// A net, the net of its program, and which node became which.
+/// A net, the net of its program, and the correspondence of their nodes.
 pub(crate) struct Trip {
     pub(crate) old: Net,
     pub(crate) new: Net,
-    /// What the nodes of the old net have become, those that are left.
+    /// New nodes of the original nodes, as far as they remain.
     pub(crate) nodes: BTreeMap<NodeId, NodeId>,
-    /// What its fragments have become.
+    /// New fragments of the original fragments.
     pub(crate) fragments: BTreeMap<FragmentId, FragmentId>,
 }
 
 impl Trip {
-    /// Reads a net, writes its program, formats and compiles that.
+    /// Reads a net, writes its program, formats and compiles it.
     pub(crate) fn of(path: &Path) -> Result<Trip, String> {
         let old = net_of(path)?;
         let imported = import::import(&old);
@@ -37,7 +37,7 @@ impl Trip {
     }
 }
 
-/// A recorded net.
+/// Reads a recorded net.
 pub(crate) fn net_of(path: &Path) -> Result<Net, String> {
     let compiled = read(path).and_then(|input| compile(&input));
     let compiled = compiled.map_err(|e| e.to_string())?;
@@ -47,7 +47,7 @@ pub(crate) fn net_of(path: &Path) -> Result<Net, String> {
     }
 }
 
-/// The net of a program of one command; no fault may be found in it.
+/// Compiles a program of one command, which must have no diagnostic.
 pub(crate) fn program(text: String) -> Result<Net, String> {
     let input = Input {
         path: PathBuf::from("imported.rpi"),
@@ -59,7 +59,7 @@ pub(crate) fn program(text: String) -> Result<Net, String> {
         .findings
         .iter()
         .filter(|f| f.severity() <= Severity::Warning)
-        // Nets were recorded with longer periods than the one that is assumed here.
+        // Nets were recorded with longer periods than the default one.
         .filter(|f| f.code != Code::RPI7002);
     let errors: Vec<String> = errors
         .map(|f| format!("{} {}", f.code, f.message))
@@ -82,7 +82,7 @@ fn nodes(old: &Net, new: &Net, names: &[(String, String)]) -> BTreeMap<NodeId, N
     pairs.collect()
 }
 
-/// Fragments that hold what became of each other's nodes, and those around them.
+/// Matches the fragments, and those around them, by the nodes in them.
 fn fragments(
     old: &Net,
     new: &Net,

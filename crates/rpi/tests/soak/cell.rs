@@ -1,4 +1,4 @@
-//! Two arms, and commands that bring one or both of them to some goal from whatever state of motion.
+//! Two arms, and commands that bring one or both of them to some goal from any state of motion.
 
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -12,10 +12,10 @@ pub(crate) const TICK_NS: u64 = 1_000_000;
 pub(crate) const ARMS: [&str; 2] = ["left", "right"];
 pub(crate) const AXES: usize = 7;
 
-/// Goals for each set of arms.
+/// Number of goals for each set of arms.
 const GOALS: usize = 12;
 
-/// Arms, as bits: what a command moves.
+/// Set of arms that a command moves, as bits.
 pub(crate) type Arms = u8;
 
 pub(crate) const BOTH: Arms = 3;
@@ -31,7 +31,7 @@ pub(crate) fn cell() -> Cell {
     Cell::parse("cell.toml", &text).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// The images, with the arms that each moves.
+/// Returns the images with the arms that each one moves.
 pub(crate) fn images(random: &mut Random) -> Vec<(Arms, Arc<Image>)> {
     let sets: Vec<Arms> = (1..=BOTH).flat_map(|set| [set; GOALS]).collect();
     let text: String = sets
@@ -58,7 +58,8 @@ pub(crate) fn images(random: &mut Random) -> Vec<(Arms, Arc<Image>)> {
         .collect()
 }
 
-/// Goes to a random goal, may be taken over after a random time; the result `early` is its second.
+/// Returns a command that moves to a random goal and may be taken over after a random time; `early` is its second
+/// result.
 fn command(k: usize, set: Arms, random: &mut Random) -> String {
     let arms: Vec<&str> = (0..2)
         .filter(|a| set & (1 << a) != 0)
@@ -91,7 +92,8 @@ fn command(k: usize, set: Arms, random: &mut Random) -> String {
     text
 }
 
-/// Repeatable numbers: splitmix64 (Steele, Lea, Flood: Fast splittable pseudorandom number generators, 2014).
+/// Pseudo-random number generator splitmix64 (Steele, Lea, Flood: Fast splittable pseudorandom number generators,
+/// 2014).
 pub(crate) struct Random(pub(crate) u64);
 
 impl Random {
@@ -106,7 +108,7 @@ impl Random {
         low + (high - low) * ((self.next() >> 11) as f64 / (1_u64 << 53) as f64)
     }
 
-    /// Once in so many times.
+    /// Returns true with probability 1/`times`.
     pub(crate) fn once_in(&mut self, times: u64) -> bool {
         self.next().is_multiple_of(times)
     }

@@ -1,4 +1,4 @@
-//! What a restless program does with a control core, and what it sees of it.
+//! Random requests to a control core, and checks of its events.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -14,21 +14,21 @@ use rpi_sim::{Fault, SimBank, Trouble};
 use crate::cell::{ARMS, AXES, Arms, BOTH, Random, TICK_NS, cell, images};
 use crate::watch::Watch;
 
-/// The result `early` of every command.
+/// Index of the result `early` of every command.
 const EARLY: u32 = 1;
 
-/// Commands that there is room for.
+/// Capacity of the command table.
 const ROOM: usize = 32;
 
-/// What is known of a command.
+/// Expected state of a command.
 struct Known {
     arms: Arms,
-    /// Those that it may follow.
+    /// Commands that it may follow.
     after: Vec<CommandId>,
     first: Option<u64>,
-    /// Its last tick, and how it ended.
+    /// Its last tick and its ending.
     last: Option<(u64, Ending)>,
-    /// Something is scheduled on it.
+    /// Whether a successor is scheduled.
     followed: bool,
     unloading: bool,
 }
@@ -40,9 +40,9 @@ pub(crate) struct Life {
     images: Vec<(Arms, Arc<Image>)>,
     random: Random,
     known: BTreeMap<CommandId, Known>,
-    /// What requests under way are to start.
+    /// Commands that pending requests will start.
     asked: BTreeMap<Ticket, Vec<CommandId>>,
-    /// Until this time (s) troubles of devices are wanted.
+    /// Device faults are expected until this time (s).
     troubled: f64,
     tally: Tally,
 }
@@ -101,7 +101,8 @@ impl Life {
         self.mind_the_devices();
     }
 
-    /// Nothing may be wrong with a device unless it was made to fail: then it also refuses what its command still says.
+    /// A device must not have an error unless a fault was injected; after a fault it also refuses further set-points of
+    /// its command.
     fn mind_the_devices(&mut self) {
         let bank = self.executive.plant();
         let (now, until) = (bank.time(), self.troubled);
@@ -137,7 +138,7 @@ impl Life {
         }
     }
 
-    /// A successor has its first cycle in the tick after the last one of who it follows.
+    /// The first cycle of a successor is in the tick after the last one of its predecessor.
     fn started(&mut self, command: CommandId, tick: u64) {
         let known = &self.known[&command];
         let before = known.after.iter().filter_map(|id| self.known.get(id)?.last);
@@ -173,7 +174,7 @@ impl Life {
         self.disturb();
     }
 
-    /// Unloads what has ended. A result stands in the books until its successors have started.
+    /// Unloads ended commands. A result is kept until the successors have started.
     fn clear_away(&mut self) {
         let over: Vec<CommandId> = self
             .known
@@ -190,7 +191,7 @@ impl Life {
         }
     }
 
-    /// Starts something on arms that stand, are well, and belong to nobody.
+    /// Starts a command on arms that are at rest, without error and free.
     fn take_idle_arms(&mut self) {
         let taken = self.known.values().filter(|k| k.last.is_none());
         let taken = taken.fold(0, |all, k| all | k.arms);
@@ -214,7 +215,7 @@ impl Life {
         }
     }
 
-    /// Schedules what is to follow commands on which nothing is scheduled yet.
+    /// Schedules successors of commands that have none.
     fn plan_ahead(&mut self) {
         let open = |id: &CommandId| {
             let known = &self.known[id];
@@ -242,7 +243,7 @@ impl Life {
         }
     }
 
-    /// One successor for its early end, another for its regular one.
+    /// Schedules one successor for the early end and another one for the regular end.
     fn offer_two(&mut self, id: CommandId, arms: Arms) {
         let early = Condition::of(id, Fact::Result(EARLY)) & Condition::of(id, Fact::Regular);
         let other = Condition::of(id, Fact::Result(0)) & Condition::of(id, Fact::Regular);
@@ -253,7 +254,7 @@ impl Life {
         }
     }
 
-    /// A command for each arm follows one for both.
+    /// Schedules one command per arm as successors of a command for both.
     fn part(&mut self, id: CommandId) {
         if let (Some(left), Some(right)) = (self.load(1, &[id]), self.load(2, &[id])) {
             self.schedule(Rule::follow(id).start(left).start(right));
@@ -267,7 +268,7 @@ impl Life {
             .insert(asked.expect("there is room for rules").1, starts);
     }
 
-    /// What was refused will never run: what was to follow one that was cancelled meanwhile, for example.
+    /// A refused command will never run, for example the successor of a command that was cancelled meanwhile.
     fn answered(&mut self, ticket: Ticket, refused: bool) {
         let starts = self.asked.remove(&ticket).unwrap_or_default();
         for id in starts.into_iter().filter(|_| refused) {
@@ -308,7 +309,7 @@ impl Life {
             return;
         }
         let one = running[self.random.below(running.len())];
-        // Who has ended meanwhile refuses, which is no matter here.
+        // A refusal because the command has ended meanwhile is ignored.
         if self.random.once_in(2_000) {
             let _ = self.control.cancel(one);
         }
@@ -341,7 +342,7 @@ impl Life {
         assert!(bank.inject(arm, fault));
     }
 
-    /// Ends everything: then nothing is held, moves, or is left over.
+    /// Ends everything and checks that nothing is held, moves or remains.
     pub(crate) fn come_to_rest(&mut self) {
         self.control
             .emergency_stop()

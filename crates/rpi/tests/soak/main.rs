@@ -1,8 +1,8 @@
-//! Random takeovers, cancels, aborts, emergency stops and device faults on two simulated arms, through the same interface
-//! that programs use: no cycle between two commands, set-points within the limits of the arms in every cycle, also
-//! where they brake on their own, nothing leaked, nothing allocated in the cycle.
+//! Random takeovers, cancels, aborts, emergency stops and device faults on two simulated arms, through the interface
+//! that programs use. Checks that there is no cycle between two commands, that set-points are within the limits of the
+//! arms in every cycle, also while an arm brakes on its own, that nothing leaks and that no cycle allocates.
 //!
-//! `RPI_TAKEOVERS` sets how many; `cargo xtask soak` runs a million.
+//! `RPI_TAKEOVERS` sets the number of takeovers; `cargo xtask soak` runs a million.
 
 mod cell;
 mod life;

@@ -1,4 +1,4 @@
-//! What the arms are told, cycle by cycle, held against their limits.
+//! Checks the commanded joint positions against the limits of the arms, cycle by cycle.
 
 use rpi_device::{DeviceBank, PortId, PortKind, PortName};
 use rpi_image::{Scalar, Type};
@@ -7,7 +7,7 @@ use rpi_sim::{Cell, SimBank};
 
 use crate::cell::{AXES, TICK_NS};
 
-/// The commanded joints of the arms, and how they have moved.
+/// Commanded joints of the arms with their latest motion.
 pub(crate) struct Watch {
     axes: Vec<Axis>,
 }
@@ -15,7 +15,7 @@ pub(crate) struct Watch {
 struct Axis {
     name: String,
     port: PortId,
-    /// Of velocity, acceleration and jerk.
+    /// Limits of velocity, acceleration and jerk.
     limits: [f64; 3],
     /// Position and its backward differences up to the second.
     last: [f64; 3],
@@ -48,7 +48,7 @@ impl Watch {
         Watch { axes }
     }
 
-    /// After a tick: every derivative is within its limit.
+    /// Checks after a tick that every derivative is within its limit.
     pub(crate) fn look(&mut self, bank: &mut SimBank, tick: u64) {
         let dt = TICK_NS as f64 * 1e-9;
         for axis in &mut self.axes {

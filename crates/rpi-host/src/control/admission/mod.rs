@@ -1,8 +1,9 @@
-//! Which commands may run together: what they take at most must fit the share of a tick that is theirs.
+//! Admission control: the worst-case times of commands that may run together must fit the budget of a tick.
 //!
-//! Two commands never run in one tick if they need one actuator, or if one has ended for good when the other starts. So the commands
-//! that run or may yet are put into groups in which that holds for any two: such a group takes no more than the most expensive of it.
-//! The sum over all groups is a bound, whatever rules make of it. All of this is done beside the cycle, before a request leaves.
+//! Two commands never run in the same tick if they share an actuator, or if one of them has ended for good when the
+//! other starts. The commands that run or may still start are partitioned into groups in which this holds for any two.
+//! A group takes at most the time of its most expensive command, so the sum over all groups is a bound for every
+//! behaviour of the rules. All of this is computed on the host before a request is sent.
 
 mod ways;
 
@@ -16,28 +17,28 @@ use super::event::{Event, Ticket};
 use crate::run::time_text;
 use ways::{Order, Way};
 
-/// What commands may take of a tick.
+/// Time budget of all commands in a tick.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Budget {
-    /// Time of an elementary operation at worst, nanoseconds.
+    /// Worst-case time of an elementary operation in nanoseconds.
     pub ns_per_operation: f64,
-    /// What all commands of a tick may take together, nanoseconds.
+    /// Maximum time of all commands in a tick together, nanoseconds.
     pub granted_ns: u64,
 }
 
-/// More than commands may take of a tick.
+/// Error: the commands would exceed their time budget in a tick.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct TooMuch {
-    /// What those that are to start may take at most, nanoseconds.
+    /// Worst-case time of the commands to be started, nanoseconds.
     pub needed_ns: u64,
-    /// What those that may run with them take at most, nanoseconds.
+    /// Worst-case time of the commands that may run at the same time, nanoseconds.
     pub taken_ns: u64,
-    /// What all may take together, nanoseconds.
+    /// Time budget of all commands, nanoseconds.
     pub granted_ns: u64,
 }
 
 impl TooMuch {
-    /// In words, with what this is about.
+    /// Returns the error message. `what` is the subject of the sentence.
     #[must_use]
     pub fn told(&self, what: &str) -> String {
         let [needed, taken, granted] =
@@ -45,10 +46,10 @@ impl TooMuch {
         let code = Code::RPI7003;
         let beside = match self.taken_ns {
             0 => String::new(),
-            _ => format!(", and what may run with it {taken}"),
+            _ => format!(", and concurrent commands {taken}"),
         };
         format!(
-            "{code}: {what} may take {needed} of a tick{beside}: commands are granted {granted} of it"
+            "{code}: {what} may take {needed} per tick{beside}; the budget of all commands is {granted}"
         )
     }
 }
@@ -59,34 +60,34 @@ impl fmt::Display for TooMuch {
     }
 }
 
-/// What is known of a command.
+/// Resource needs and state of a command.
 #[derive(Clone, Debug)]
 struct Claim {
     bound_ns: u64,
-    /// The actuators that it needs, ascending.
+    /// Actuators of the command, in ascending order.
     actuators: Box<[u32]>,
-    /// It runs or is scheduled, as was last heard.
+    /// Whether the command runs or is scheduled, according to the latest events.
     is_live: bool,
-    /// It runs, as was last heard.
+    /// Whether the command runs, according to the latest events.
     runs: bool,
-    /// Requests under way that may start it.
+    /// Number of unanswered requests that may start the command.
     asked: u32,
 }
 
 impl Claim {
-    /// It takes time, or may yet.
+    /// Returns true if the command takes time now or may still do so.
     fn counts(&self) -> bool {
         self.is_live || self.asked > 0
     }
 
-    /// Whether they need an actuator in common.
+    /// Returns true if both commands need a common actuator.
     fn meets(&self, other: &Claim) -> bool {
         let has = |a: &u32| other.actuators.binary_search(a).is_ok();
         self.actuators.iter().any(has)
     }
 }
 
-/// The books.
+/// Admission state: the resource needs of all loaded commands and the ways in which they may start.
 pub(super) struct Admission {
     budget: Option<Budget>,
     claims: BTreeMap<CommandId, Claim>,
@@ -102,7 +103,7 @@ impl Admission {
         }
     }
 
-    /// What a command that was taken in may take of a tick, nanoseconds.
+    /// Returns the worst-case time of a loaded command in a tick, nanoseconds.
     pub(super) fn bound_ns(&self, id: CommandId) -> u64 {
         self.claims.get(&id).map_or(0, |claim| claim.bound_ns)
     }
@@ -111,13 +112,13 @@ impl Admission {
         self.budget.map_or(0, |budget| budget.time_of(command))
     }
 
-    /// Fails if a command could never start, even alone.
+    /// Returns an error if a command exceeds the budget even when it runs alone.
     pub(super) fn fits(&self, command: &Command) -> Result<(), TooMuch> {
         let fits = |budget: Budget| budget.grants(budget.time_of(command));
         self.budget.map_or(Ok(()), fits)
     }
 
-    /// A command is taken in.
+    /// Adds a loaded command.
     pub(super) fn enter(&mut self, id: CommandId, command: &Command) {
         let mut actuators: Vec<u32> = command.resources().collect();
         actuators.sort_unstable();
@@ -131,12 +132,14 @@ impl Admission {
         self.claims.insert(id, claim);
     }
 
-    /// Fails if a command could not run at once with all that runs or may yet; else the way by which it will.
+    /// Checks that a command can start now together with all commands that run or may still start. Returns the [`Way`]
+    /// to pass to [`Admission::ask`].
     pub(super) fn admit_start(&self, command: CommandId) -> Result<Way, TooMuch> {
         self.admit(Way::at_once(command))
     }
 
-    /// Fails if what a rule starts could not run with all that runs or may yet; else the way by which it may.
+    /// Checks that the commands started by a rule can run together with all commands that run or may still start.
+    /// Returns the [`Way`] to pass to [`Admission::ask`].
     pub(super) fn admit_rule(&self, id: RuleId, rule: &Rule) -> Result<Way, TooMuch> {
         let runs = |id: CommandId| self.claims.get(&id).is_some_and(|c| c.runs);
         self.admit(Way {
@@ -164,6 +167,8 @@ impl Admission {
         }
         let before = self.claims.iter().filter(|(_, claim)| claim.counts());
         let taken_ns = together(before, &Order::of(self.ways.iter()));
+        // A request that does not increase the bound is always admitted, even if the budget was reduced in the
+        // meantime.
         if total_ns <= taken_ns {
             return Ok(way);
         }
@@ -175,7 +180,7 @@ impl Admission {
         })
     }
 
-    /// A request that may start commands by this way has left.
+    /// Records that a request that may start commands was sent.
     pub(super) fn ask(&mut self, ticket: Ticket, mut way: Way) {
         for id in &way.start {
             if let Some(claim) = self.claims.get_mut(id) {
@@ -186,7 +191,7 @@ impl Admission {
         self.ways.push(way);
     }
 
-    /// Something has happened.
+    /// Updates the state from an event.
     pub(super) fn hear(&mut self, event: &Event) {
         match event {
             Event::Answer {
@@ -197,7 +202,7 @@ impl Admission {
         }
     }
 
-    /// A command is no more.
+    /// Removes a freed command.
     pub(super) fn forget(&mut self, id: CommandId) {
         self.claims.remove(&id);
         for way in &mut self.ways {
@@ -240,7 +245,7 @@ impl Admission {
         }
     }
 
-    /// By a rule that has fired its commands have started; by another one they never will.
+    /// Handles the end of a rule. A rule that fired has started its commands; any other rule will never start them.
     fn rule_over(&mut self, rule: RuleId, outcome: Outcome) {
         if outcome != Outcome::Fired {
             self.ways.retain(|way| way.rule != Some(rule));
@@ -249,14 +254,16 @@ impl Admission {
 }
 
 impl Budget {
-    /// How much of a tick commands may take together unless said otherwise.
+    /// Default share of a tick that all commands may take together.
     pub const SHARE: f64 = 0.8;
-    /// Nanoseconds of an elementary operation unless said otherwise. It takes twice as long where no cache holds it, but a net that
-    /// others have generated seems to do far more than it does: nothing shows which of its fragments exclude one another. The largest
-    /// of the authors' nets, of which a tenth is ever active, fits a tick by this figure, and does not by twice as much.
+    /// Default time of an elementary operation in nanoseconds.
+    ///
+    /// An operation takes twice as long with cold caches, but the bound of a generated net is far too high: nothing
+    /// shows which of its fragments exclude one another. The largest net of the authors, of which at most a tenth is
+    /// active at a time, fits a tick with this value, but not with twice as much.
     pub const NS_PER_OPERATION: f64 = 2.5;
 
-    /// What this share of a tick grants, from 0 to 1.
+    /// Returns the budget for a share of a tick, from 0 to 1.
     #[must_use]
     pub fn of(tick_ns: u64, share: f64, ns_per_operation: f64) -> Budget {
         Budget {
@@ -265,12 +272,12 @@ impl Budget {
         }
     }
 
-    /// What a command may take of a tick at most, nanoseconds.
+    /// Returns the worst-case time of a command in a tick, nanoseconds.
     pub(crate) fn time_of(&self, command: &Command) -> u64 {
         (command.work() as f64 * self.ns_per_operation) as u64
     }
 
-    /// Fails if nobody may take so much.
+    /// Returns an error if the time exceeds the budget on its own.
     pub(crate) fn grants(&self, needed_ns: u64) -> Result<(), TooMuch> {
         match needed_ns > self.granted_ns {
             true => Err(TooMuch {
@@ -283,7 +290,9 @@ impl Budget {
     }
 }
 
-/// What these take at most in one tick: the most expensive of each group of which only one runs.
+/// Returns a bound for the time of these commands in one tick: the sum over all groups of mutually exclusive commands
+/// of the most expensive member.
+// The greedy partition, most expensive command first, is not optimal, but any partition gives a valid bound.
 fn together<'a>(claims: impl Iterator<Item = (&'a CommandId, &'a Claim)>, order: &Order) -> u64 {
     let mut claims: Vec<_> = claims.collect();
     claims.sort_by_key(|(id, claim)| (u64::MAX - claim.bound_ns, **id));
@@ -315,7 +324,7 @@ mod tests {
         CommandId::from_number(number)
     }
 
-    /// Commands 1, 2, ... with these bounds and actuators.
+    /// Creates an admission state with commands 1, 2, ... that have these bounds and actuators.
     fn books(claims: &[(u64, &[u32])]) -> Admission {
         let mut books = Admission::new(Some(Budget {
             ns_per_operation: 1.0,
@@ -340,7 +349,7 @@ mod tests {
         Ok(())
     }
 
-    /// Makes the rule of this number.
+    /// Adds the rule with this number.
     fn make(books: &mut Admission, number: u64, rule: &Rule) -> Result<(), TooMuch> {
         let way = books.admit_rule(RuleId(number), rule)?;
         books.ask(Ticket(number), way);
@@ -397,7 +406,7 @@ mod tests {
         assert_eq!(ask(&mut books, 2, 1), Ok(()));
     }
 
-    /// S1, L6: each has ended before the next one starts.
+    /// S1, L6: each command of a chain has ended before the next one starts.
     #[test]
     fn a_chain_takes_no_more_than_the_most_expensive_of_it() {
         let mut books = books(&[(60, &[]), (90, &[]), (70, &[]), (20, &[])]);
@@ -408,12 +417,12 @@ mod tests {
         }
         let why = ask(&mut books, 4, 4).unwrap_err();
         assert_eq!((why.needed_ns, why.taken_ns), (20, 90));
-        // Once it may start in another way as well, it is one beside the others.
+        // Once command 3 may also start in another way, it counts in addition to the others.
         let rule = Rule::when(Condition::always()).start(id(3));
         assert!(make(&mut books, 5, &rule).is_err());
     }
 
-    /// Who has fired stays after those that it has outlived; who cannot fire any more says nothing.
+    /// A rule that fired keeps the order of its commands. A rule that was dropped implies no order.
     #[test]
     fn what_has_started_by_a_rule_is_after_those_before() {
         let over = |outcome| {
@@ -431,7 +440,8 @@ mod tests {
         assert_eq!(over(Outcome::Fired), Ok(()));
     }
 
-    /// What is stopped can be started again where it had not begun.
+    /// A command stopped by a rule excludes its successor only if it was running; otherwise it can be started again
+    /// later.
     #[test]
     fn who_is_stopped_is_before_only_if_it_runs_then() {
         let stopped = |fact, runs| {

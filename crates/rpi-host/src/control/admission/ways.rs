@@ -1,7 +1,7 @@
-//! How commands may yet start, and what that says about which of them never run in one tick.
+//! Ways in which commands may start, and the order that these ways imply between commands.
 //!
-//! A request to start commands is a way; so is a rule. A command *outlives* those that have ended for good by whichever way it starts,
-//! and those that they had outlived.
+//! A way is a request or a rule that starts commands. A command *outlives* all commands that have ended for good in
+//! every way by which it may start, and the commands that those outlive.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -9,20 +9,20 @@ use rpi_core::{CommandId, RuleId};
 
 use crate::control::event::Ticket;
 
-/// A way in which commands may start together, or have.
+/// A request or rule by which commands start, or have started, together.
 #[derive(Clone, Debug)]
 pub(in crate::control) struct Way {
-    /// The request's, while it is under way.
+    /// Ticket of the request until it is answered.
     pub(super) ticket: Option<Ticket>,
-    /// The rule; none if they are started at once.
+    /// Rule that starts the commands; `None` if a request starts them directly.
     pub(super) rule: Option<RuleId>,
     pub(super) start: Vec<CommandId>,
-    /// Those that never run again once these start.
+    /// Commands that never run again once the commands in `start` run.
     pub(super) after: Vec<CommandId>,
 }
 
 impl Way {
-    /// By a request, at once.
+    /// Returns the way of a direct start request.
     pub(super) fn at_once(command: CommandId) -> Way {
         Way {
             ticket: None,
@@ -35,7 +35,7 @@ impl Way {
 
 type Outlived = BTreeSet<CommandId>;
 
-/// For each command those that it outlives.
+/// For each command, the set of commands that it outlives.
 pub(super) struct Order(BTreeMap<CommandId, Outlived>);
 
 impl Order {
@@ -47,7 +47,9 @@ impl Order {
         order
     }
 
-    /// Finds what a command outlives: by all of its ways. While that is looked for it outlives nothing, so that circles end.
+    /// Computes the commands that a command outlives: the intersection over all of its ways.
+    ///
+    /// During the computation the command outlives nothing, so the recursion ends for cyclic rules.
     fn find<'w>(
         &mut self,
         command: CommandId,
@@ -70,7 +72,7 @@ impl Order {
         &self.0[&command]
     }
 
-    /// Whether one of two commands has ended for good when the other one starts.
+    /// Returns true if one of two commands has ended for good when the other one starts.
     pub(super) fn part(&self, a: CommandId, b: CommandId) -> bool {
         let outlives = |a, b| self.0.get(&a).is_some_and(|o| o.contains(&b));
         outlives(a, b) || outlives(b, a)

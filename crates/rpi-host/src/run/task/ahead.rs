@@ -1,4 +1,4 @@
-//! What may follow, loaded and scheduled by rules on the results of what runs.
+//! Loading of the commands that may follow, and scheduling them by rules on the results of the running ones.
 
 use rpi_core::{CommandId, Condition, Fact, Rule};
 use rpi_image::Image;
@@ -11,26 +11,26 @@ use super::track::{Spot, Track};
 use super::workshop::{NotStarted, Workshop};
 use crate::control::Rejected;
 
-/// A task's plan, and who carries it out.
+/// Plan of a task, and the control core on which the task runs.
 pub(super) struct Site<'s> {
     pub(super) plan: &'s Plan,
     pub(super) shop: &'s mut dyn Workshop,
 }
 
-/// Something that may follow.
+/// A loaded successor with the rule that starts it.
 #[derive(Debug)]
 pub(super) struct Launch {
     pub(super) track: Track,
 }
 
 impl Launch {
-    /// Nothing will come of it.
+    /// Returns true if the successor will never start.
     pub(super) fn is_given_up(&self) -> bool {
         !self.track.is_open() && !self.track.has_started()
     }
 }
 
-/// What must have happened before something follows: the commands that it follows, and how they must have ended.
+/// Condition under which a successor starts, and the commands that it follows.
 struct Cause {
     after: Vec<Slot>,
     condition: Condition,
@@ -45,10 +45,10 @@ impl Cause {
 }
 
 impl Site<'_> {
-    /// Begins with a place that nothing comes before.
+    /// Loads the commands at a place without predecessors and requests their start.
     ///
     /// # Errors
-    /// What could not be started.
+    /// Returns the commands that could not be started, with the reason.
     pub(super) fn begin(&mut self, place: Place) -> Result<Track, Trouble> {
         let mut track = self.load(place)?;
         let commands: Vec<CommandId> = track.slots().iter().map(|s| s.id).collect();
@@ -69,10 +69,11 @@ impl Site<'_> {
         Ok(track)
     }
 
-    /// Schedules all that may follow what a track is at; nothing as long as that cannot be said.
+    /// Loads and schedules all possible successors of a track. Returns `None` as long as the successors are not known
+    /// or planning must wait.
     ///
     /// # Errors
-    /// What could not be loaded.
+    /// Returns the commands that could not be loaded, with the reason.
     pub(super) fn ahead_of(&mut self, track: &Track) -> Result<Option<Vec<Launch>>, Trouble> {
         let planned = |slot: &&Slot| self.shop.may_plan(slot.first_tick);
         if !track.slots().iter().all(planned) {
@@ -88,7 +89,8 @@ impl Site<'_> {
         Ok(Some(ahead))
     }
 
-    /// The places to which a track may come, and what leads there; none as long as strands have more to do before they meet.
+    /// Returns the possible next places of a track with their conditions; `None` as long as parallel branches have more
+    /// commands to run before they join.
     fn ways(&self, track: &Track) -> Option<Vec<(Place, Cause)>> {
         match &track.spot {
             Spot::Command(slot) => {
@@ -106,7 +108,7 @@ impl Site<'_> {
         }
     }
 
-    /// What must happen for a track to be over: none if that takes more than its running commands.
+    /// Returns the condition for the end of a track; `None` if the end needs more than its running commands.
     fn joins(&self, track: &Track) -> Option<Cause> {
         match &track.spot {
             Spot::Command(slot) => {
@@ -132,11 +134,11 @@ impl Site<'_> {
         }
     }
 
-    /// Goes on with a place that was not scheduled in time: by a rule as in time, so that it takes over the same, and knows whom
-    /// it follows.
+    /// Continues at a place that was not scheduled in time. The command is started by a rule as well, so that it takes
+    /// over in the same way and has the same predecessors.
     ///
     /// # Errors
-    /// What could not be loaded.
+    /// Returns the commands that could not be loaded, with the reason.
     pub(super) fn catch_up(&mut self, ended: &Track, place: Place) -> Result<Track, Trouble> {
         let mut ways = self.ways(ended).unwrap_or_default().into_iter();
         let cause = match ways.find(|(known, _)| *known == place) {
@@ -147,7 +149,7 @@ impl Site<'_> {
                 self.shop.late(in_motion);
                 cause
             }
-            // Strands were left by an error: what comes then could not be known before.
+            // The branches were left because of an error, so the next place could not be known in advance.
             None => Cause {
                 after: ended.slots().into_iter().cloned().collect(),
                 condition: Condition::always(),
@@ -156,7 +158,7 @@ impl Site<'_> {
         Ok(self.launch(place, cause)?.track)
     }
 
-    /// Lets go of what was refused: it is still loaded.
+    /// Unloads successors whose rule was refused. The core unloads the others when it drops their rules.
     pub(super) fn forget_refused(&mut self, ahead: &[Launch]) {
         let refused = |launch: &&Launch| {
             let request = launch.track.request.as_ref();
@@ -168,7 +170,7 @@ impl Site<'_> {
         }
     }
 
-    /// Loads what is at a place and makes the rule that starts it, with what it takes over.
+    /// Loads the commands at a place and adds the rule that starts them and passes values to their inputs.
     fn launch(&mut self, place: Place, cause: Cause) -> Result<Launch, Trouble> {
         let mut track = self.load(place)?;
         let mut rule = Rule::when(cause.condition);
@@ -185,7 +187,7 @@ impl Site<'_> {
         Ok(Launch { track })
     }
 
-    /// Loads the commands at a place: all or, if one cannot be loaded, none.
+    /// Loads the commands at a place. If one cannot be loaded, the others are unloaded.
     fn load(&mut self, place: Place) -> Result<Track, Trouble> {
         match place {
             Place::Run(cursor) => Ok(Track::new(Spot::Command(self.slot(cursor)?), None)),
@@ -226,8 +228,8 @@ impl Site<'_> {
         })
     }
 
-    /// The exports of commands from which one that follows takes inputs over: those of the same key and type, of the first that
-    /// has them.
+    /// Returns the exports of predecessors that are passed to the inputs of a successor: same key and type; the first
+    /// predecessor with a match counts. Each entry is predecessor, export index, input index.
     fn handed(&self, from: &[Slot], to: &Image) -> Vec<(CommandId, u32, u32)> {
         let inputs = to.inputs.iter().zip(0u32..);
         let found = inputs.filter_map(|(input, k)| {
@@ -258,7 +260,7 @@ fn has_yield(image: &Image) -> bool {
     }
 }
 
-/// That a command has ended by one of these results; without named ones, regularly.
+/// Returns the condition that a command has ended with one of these results, or regularly if it has no named results.
 fn cause(slot: &Slot, by: &By) -> Cause {
     let fact = |fact: Fact| Condition::of(slot.id, fact);
     let any = |results: &[u32]| {

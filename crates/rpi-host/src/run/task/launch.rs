@@ -1,4 +1,4 @@
-//! Commands that were loaded, and the request that is to start them: at once, or by a rule.
+//! Loaded commands and the request that starts them, immediately or by a rule.
 
 use rpi_core::{CommandId, Ending, Notice, Outcome, Refused, RuleId};
 
@@ -6,12 +6,12 @@ use super::super::walk::Cursor;
 use super::workshop::NotStarted;
 use crate::control::{Event, Ticket};
 
-/// A command of a task.
+/// A loaded command of a task.
 #[derive(Clone, Debug)]
 pub(super) struct Slot {
     pub(super) id: CommandId,
     pub(super) cursor: Cursor,
-    /// Its index in the plan's list.
+    /// Index of the command in the list of the plan.
     pub(super) index: usize,
     pub(super) first_tick: Option<u64>,
     pub(super) ending: Option<Ending>,
@@ -31,14 +31,14 @@ impl Slot {
     }
 }
 
-/// A request that is to start commands.
+/// A request to start commands.
 #[derive(Clone, Debug)]
 pub(super) struct Request {
     pub(super) ticket: Ticket,
     pub(super) rule: Option<RuleId>,
-    /// Why it was not carried out.
+    /// Reason for which the request or its rule was refused.
     refused: Option<Refused>,
-    /// Its rule is dropped or has failed.
+    /// True if the rule was dropped or has failed.
     dropped: bool,
 }
 
@@ -69,19 +69,19 @@ impl Request {
         }
     }
 
-    /// Why it will start nothing, if it will not.
+    /// Returns the reason for which the request starts no command, if it was refused or its rule was dropped.
     pub(super) fn refusal(&self) -> Option<NotStarted> {
         let dropped = self.dropped.then_some(NotStarted::Dropped);
         self.refused.map(NotStarted::Refused).or(dropped)
     }
 
-    /// True if it did not even become a rule: what it was to start is still loaded.
+    /// Returns true if the request did not create a rule. Its commands are then still loaded.
     pub(super) fn was_refused(&self) -> bool {
         self.refused.is_some() && !self.dropped
     }
 }
 
-/// Commands that do not run, and why: one, or those that were to start together.
+/// One or more commands that could not be started together, with the reason.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(super) struct Trouble {
     pub(super) indices: Vec<usize>,

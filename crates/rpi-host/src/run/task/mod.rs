@@ -1,16 +1,18 @@
-//! A task under way: works ahead of its running commands, as a program outside of the core could.
+//! A running task. It plans ahead of its running commands, using only the public interface of the control core.
 //!
-//! Everything that may follow the running commands is loaded and scheduled by rules on their results. What the core then starts
-//! goes on; the others it gives up by itself. What was not scheduled in time is started when it is ready, and counted as late.
+//! All commands that may follow the running ones are loaded and scheduled by rules on their results. The task continues
+//! with the command that the core starts; the core drops the other rules. A command that was not scheduled in time is
+//! started when it is ready and counted as late.
 //!
 //! | file | idea |
 //! |---|---|
-//! | `workshop.rs` | what a task asks of whoever runs it |
-//! | `launch.rs` | commands that were loaded, and the request that is to start them |
-//! | `track.rs` | what runs by itself: a command, or strands that run at once |
-//! | `ahead.rs` | what may follow it, loaded and scheduled |
+//! | `workshop.rs` | the interface that a task needs from its environment |
+//! | `launch.rs` | loaded commands and the request that starts them |
+//! | `track.rs` | a running command or parallel branches |
+//! | `ahead.rs` | loading and scheduling of successors |
 //!
-//! A task is a tree of tracks. A track is at a command, or where strands run at once, each a track of its own.
+//! A task is a tree of tracks. A track is at a command or at a parallel node, whose branches (strands) are tracks as
+//! well.
 
 mod ahead;
 mod launch;
@@ -30,18 +32,18 @@ use track::{Step, Track};
 
 pub use workshop::{NotStarted, Workshop};
 
-/// How a task has ended.
+/// How a task ended.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum TaskEnd {
-    /// By its last command.
+    /// The last command finished.
     Done,
-    /// By an error that no branch is for, or as something could not be started.
+    /// A command ended with an unhandled error or could not be started.
     Failed,
-    /// It was asked to.
+    /// The task was cancelled.
     Cancelled,
 }
 
-/// A task under way, with its plan or a reference to it.
+/// A running task with its plan, owned or borrowed.
 #[derive(Debug)]
 pub struct Task<P> {
     plan: P,
@@ -52,7 +54,7 @@ pub struct Task<P> {
 }
 
 impl<P: Borrow<Plan>> Task<P> {
-    /// A task that has not begun.
+    /// Creates a task that has not started yet.
     pub fn new(plan: P) -> Task<P> {
         Task {
             plan,
@@ -63,12 +65,12 @@ impl<P: Borrow<Plan>> Task<P> {
         }
     }
 
-    /// How it has ended, if it has: it runs nothing any more then.
+    /// Returns how the task ended; `None` while it runs. A task that has ended runs no commands.
     pub fn end(&self) -> Option<TaskEnd> {
         self.end
     }
 
-    /// The commands that run, or wait to be started at once.
+    /// Returns the commands that run or wait for an immediate start.
     pub fn running(&self) -> Vec<CommandId> {
         let root = self.root.iter();
         let slots = root.flat_map(|track| track.slots());
@@ -78,24 +80,24 @@ impl<P: Borrow<Plan>> Task<P> {
             .collect()
     }
 
-    /// Notes what concerns its commands.
+    /// Updates the state of the task from an event.
     pub fn hear(&mut self, event: &Event) {
         self.root.iter_mut().for_each(|root| root.hear(event));
     }
 
-    /// Asks it to end: nothing follows any more, and what runs is asked to end.
+    /// Cancels the task: no further command is started, and the running commands are requested to end.
     pub fn cancel(&mut self, shop: &mut dyn Workshop) {
         self.cancelled = true;
         self.wind_up(shop);
     }
 
-    /// Everything was stopped by force: nothing follows any more, and it has failed.
+    /// Handles a forced stop of all commands: no further command is started, and the task has failed.
     pub fn stop(&mut self, shop: &mut dyn Workshop) {
         self.failed = true;
         self.wind_up(shop);
     }
 
-    /// Does what can be done now.
+    /// Performs all actions that are possible now. Never blocks.
     pub fn advance(&mut self, shop: &mut dyn Workshop) {
         if self.end.is_some() {
             return;
@@ -128,7 +130,7 @@ impl<P: Borrow<Plan>> Task<P> {
         }
     }
 
-    /// Something does not run: whatever does is asked to end.
+    /// Handles a command that could not be started: the running commands are requested to end.
     fn fail(&mut self, trouble: Trouble, shop: &mut dyn Workshop) {
         shop.not_started(&trouble.indices, trouble.why);
         self.failed = true;
@@ -143,7 +145,7 @@ impl<P: Borrow<Plan>> Task<P> {
         }
     }
 
-    /// Nothing of it runs any more.
+    /// Ends the task once no command of it runs any more.
     fn finish(&mut self, shop: &mut dyn Workshop) {
         self.end = Some(match (self.cancelled, self.failed) {
             (true, _) => TaskEnd::Cancelled,

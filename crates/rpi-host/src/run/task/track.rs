@@ -1,4 +1,4 @@
-//! What runs by itself: a command, or strands that run at once.
+//! A running part of a task: a command, or parallel branches.
 
 use std::collections::BTreeSet;
 
@@ -12,48 +12,48 @@ use super::launch::{Request, Slot, Trouble};
 use super::workshop::Workshop;
 use crate::control::Event;
 
-/// What a track is at.
+/// Position of a track in the plan.
 #[derive(Debug)]
 pub(super) enum Spot {
-    /// A command.
+    /// A single command.
     Command(Slot),
-    /// Strands.
+    /// Parallel branches.
     Split {
         at: Cursor,
         strands: Vec<Track>,
-        /// How they are left, if they are.
+        /// Exit through which the branches are left after an error, if any.
         leaving: Option<Exit>,
-        /// The commands that were to meet when something was last scheduled on that.
+        /// Commands at the ends of the branches when their common successor was last scheduled.
         met: Vec<CommandId>,
     },
-    /// Nothing: a strand without a command.
+    /// No command: an empty branch.
     Nothing,
 }
 
-/// Something that runs, and what may follow it.
+/// A running part of a task with its scheduled successors.
 #[derive(Debug)]
 pub(super) struct Track {
     pub(super) spot: Spot,
-    /// The request that is to start it; none where the strands around it were started as a whole.
+    /// Request that starts the track; `None` for a branch, which is started together with its siblings.
     pub(super) request: Option<Request>,
-    /// What may follow, once it is scheduled.
+    /// Scheduled successors; `None` until they are scheduled.
     pub(super) ahead: Option<Vec<Launch>>,
-    /// It is asked to end: nothing follows.
+    /// True once the track was requested to end. It then has no successor.
     winding: bool,
-    /// It has ended, and waits for those beside it.
+    /// True if the track has ended and waits for its siblings.
     over: bool,
 }
 
-/// How far a track has come.
+/// Progress of a track.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Step {
-    /// It runs.
+    /// The track runs.
     Going,
-    /// It has ended.
+    /// The track has ended.
     Over,
-    /// It has failed; parts of it still run.
+    /// The track has failed, but parts of it still run.
     Leaving(Exit),
-    /// It has failed, and nothing of it runs.
+    /// The track has failed, and no part of it runs.
     Left(Exit),
 }
 
@@ -68,7 +68,7 @@ impl Track {
         }
     }
 
-    /// Its commands: those that run or have run last.
+    /// Returns the current or last commands of the track.
     pub(super) fn slots(&self) -> Vec<&Slot> {
         match &self.spot {
             Spot::Command(slot) => vec![slot],
@@ -77,7 +77,7 @@ impl Track {
         }
     }
 
-    /// The indices of its commands in the plan's list, each once.
+    /// Returns the indices of the track's commands in the list of the plan, without duplicates.
     pub(super) fn indices(&self) -> Vec<usize> {
         let indices = self.slots().into_iter().map(|slot| slot.index);
         let unique: BTreeSet<usize> = indices.collect();
@@ -95,18 +95,18 @@ impl Track {
         }
     }
 
-    /// True once its commands were started.
+    /// Returns true once a command of the track was started.
     pub(super) fn has_started(&self) -> bool {
         self.slots().iter().any(|slot| slot.first_tick.is_some())
     }
 
-    /// True while it may still be started by what was asked for.
+    /// Returns true while the pending request may still start the track.
     pub(super) fn is_open(&self) -> bool {
         let refused = self.request.as_ref().is_some_and(|r| r.refusal().is_some());
         !self.has_started() && !refused
     }
 
-    /// Asks it to end: first what may follow is dropped, then what runs is asked to end. (M11.7)
+    /// Requests the track to end: unloads its successors, then cancels its running commands. (M11.7)
     pub(super) fn wind_up(&mut self, shop: &mut dyn Workshop) {
         if std::mem::replace(&mut self.winding, true) {
             return;
@@ -118,7 +118,8 @@ impl Track {
         match &mut self.spot {
             Spot::Command(slot) if slot.ending.is_some() => {}
             Spot::Command(slot) if slot.first_tick.is_some() => shop.cancel(slot.id),
-            // Whatever starts it may be on its way: then it does not run yet, or not any more.
+            // The start may be pending: the command is cancelled if it runs by then and unloaded otherwise. One of the
+            // two requests is refused.
             Spot::Command(slot) => {
                 shop.cancel(slot.id);
                 shop.unload(slot.id);
@@ -128,10 +129,10 @@ impl Track {
         }
     }
 
-    /// Does what can be done now.
+    /// Performs all actions that are possible now.
     ///
     /// # Errors
-    /// What could not be started.
+    /// Returns the commands that could not be started, with the reason.
     pub(super) fn step(&mut self, site: &mut Site<'_>) -> Result<Step, Trouble> {
         if self.over {
             return Ok(Step::Over);
@@ -146,7 +147,7 @@ impl Track {
         match &self.spot {
             Spot::Command(slot) => match slot.ending {
                 None => self.work_ahead(site),
-                // What follows is not ready yet.
+                // The successors are not loaded yet, as long as the simulated planning time has not passed.
                 Some(_) if !site.shop.may_plan(slot.first_tick) && waits => Ok(Step::Going),
                 Some(ending) => self.go_on_after(ending, site),
             },
@@ -155,7 +156,7 @@ impl Track {
         }
     }
 
-    /// Why it was not started, if it was not and will not be.
+    /// Returns the reason for which the track was not started and will not be.
     fn refusal(&self) -> Option<Trouble> {
         let why = self.request.as_ref()?.refusal();
         let why = why.filter(|_| !self.has_started())?;
@@ -163,7 +164,7 @@ impl Track {
         Some(Trouble { indices, why })
     }
 
-    /// Whether something is still to be scheduled behind it.
+    /// Returns true if the successors are not scheduled yet but must be.
     fn waits(&self) -> bool {
         self.ahead.is_none() && !self.winding
     }
@@ -173,7 +174,7 @@ impl Track {
         Ok(Step::Over)
     }
 
-    /// Schedules what may follow, once that can be said.
+    /// Schedules the possible successors once they are known.
     fn work_ahead(&mut self, site: &mut Site<'_>) -> Result<Step, Trouble> {
         self.forget_old(site);
         if self.ahead.is_none() && !self.winding {
@@ -182,7 +183,8 @@ impl Track {
         Ok(Step::Going)
     }
 
-    /// What was scheduled on the end of commands that have gone another way, and was given up, is thought of again.
+    /// Discards successors that were scheduled on commands which meanwhile ended differently, so that they are
+    /// scheduled again.
     fn forget_old(&mut self, site: &mut Site<'_>) {
         let now: Vec<CommandId> = self.slots().iter().map(|slot| slot.id).collect();
         let Spot::Split { met, .. } = &mut self.spot else {
@@ -226,7 +228,7 @@ impl Track {
         }
     }
 
-    /// Lets the strands go on. If one fails, the others are asked to end.
+    /// Advances the parallel branches. If one of them fails, the others are requested to end.
     fn step_strands(&mut self, site: &mut Site<'_>) -> Result<Step, Trouble> {
         let winding = self.winding;
         let Spot::Split {
@@ -259,7 +261,7 @@ impl Track {
         let out = exit.and_then(|exit| site.plan.out_of(at, exit));
         let behind = site.plan.behind(at);
         match (going, exit, out) {
-            // Only those around it have to know of an error that is theirs.
+            // An error that leaves this node as well is passed on to the enclosing track.
             (true, Some(exit), None) => Ok(Step::Leaving(exit)),
             (true, Some(_), Some(_)) => Ok(Step::Going),
             (true, None, _) => self.work_ahead(site),
@@ -275,7 +277,8 @@ impl Track {
         }
     }
 
-    /// What it is at has ended: goes on with what the core has started, or with what should have been.
+    /// Continues after the end of the current command or branches: with the successor that the core started, or by
+    /// starting the next place now.
     fn go_on_to(&mut self, place: Place, site: &mut Site<'_>) -> Result<Step, Trouble> {
         let ahead = self.ahead.as_deref().unwrap_or_default();
         if ahead.iter().any(|launch| launch.track.is_open()) {
@@ -307,7 +310,7 @@ impl Track {
     }
 }
 
-/// What follows a command that has ended so.
+/// Returns the place that follows a command with this ending.
 fn after(slot: &Slot, ending: Ending, image: &Image, site: &Site<'_>) -> Place {
     if ending.cancelled {
         return Place::Error;

@@ -1,4 +1,4 @@
-//! What a task asks of whoever runs it.
+//! Interface between a task and the control core that runs it.
 
 use std::fmt;
 use std::sync::Arc;
@@ -8,14 +8,14 @@ use rpi_image::Image;
 
 use crate::control::{Rejected, Ticket};
 
-/// Why a command of a task does not run.
+/// Reason for which a command of a task was not started.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum NotStarted {
-    /// It could not even be asked for.
+    /// The request was rejected before it was sent.
     Rejected(Rejected),
-    /// The core has refused it.
+    /// The core refused the request.
     Refused(Refused),
-    /// The rule that was to start it is gone.
+    /// The rule that would start the command was dropped.
     Dropped,
 }
 
@@ -23,51 +23,52 @@ impl fmt::Display for NotStarted {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             NotStarted::Rejected(why) => why.fmt(f),
-            NotStarted::Refused(why) => write!(f, "the core refuses it: {why:?}"),
-            NotStarted::Dropped => f.write_str("nothing can start it any more"),
+            NotStarted::Refused(why) => write!(f, "refused by the core: {why:?}"),
+            NotStarted::Dropped => f.write_str("no rule can start the command any more"),
         }
     }
 }
 
-/// A control core as a task sees it. Commands are named by their index in the list that the plan was made for; nothing of this
-/// waits.
+/// Interface of the control core for tasks. Commands are identified by their index in the list of the plan. No method
+/// blocks.
 pub trait Workshop {
-    /// The image of a command.
+    /// Returns the image of a command.
     fn image(&self, index: usize) -> Arc<Image>;
 
     /// Loads a command.
     ///
     /// # Errors
-    /// Why it cannot run.
+    /// Returns an error if the command cannot run in the cell or there is no room for it.
     fn load(&mut self, index: usize) -> Result<CommandId, Rejected>;
 
-    /// Starts a command.
+    /// Requests the start of a command.
     ///
     /// # Errors
-    /// If too much is under way.
+    /// Returns an error if there are too many pending requests.
     fn start(&mut self, id: CommandId) -> Result<Ticket, Rejected>;
 
-    /// Makes a rule.
+    /// Adds a rule.
     ///
     /// # Errors
-    /// If too much is under way.
+    /// Returns an error if there are too many rules or pending requests.
     fn schedule(&mut self, rule: Rule) -> Result<(RuleId, Ticket), Rejected>;
 
-    /// Asks a command to end.
+    /// Requests a command to end.
     fn cancel(&mut self, id: CommandId);
 
-    /// Lets go of a command that does not run.
+    /// Unloads a command that does not run.
     fn unload(&mut self, id: CommandId);
 
-    /// Whether what follows a command that began in this tick may be thought of now.
+    /// Returns true if successors of a command that started in this tick may be planned now.
     fn may_plan(&self, first_tick: Option<u64>) -> bool;
 
-    /// A command follows that was not scheduled when the one before it ended; `in_motion` if it could have taken over before.
+    /// Reports a successor that was not scheduled when its predecessor ended. `in_motion` is true if it could have
+    /// taken over in motion.
     fn late(&mut self, in_motion: bool);
 
-    /// A branch is for the error by which a command has ended.
+    /// Reports that a branch of the task handles the error with which a command ended.
     fn handled(&mut self, id: CommandId);
 
-    /// Commands that were to start together do not run; mostly it is one.
+    /// Reports commands that could not be started. `indices` has several entries if they were to start together.
     fn not_started(&mut self, indices: &[usize], why: NotStarted);
 }

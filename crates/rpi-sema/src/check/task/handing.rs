@@ -1,4 +1,5 @@
-//! What a command takes over (`given`), each command that it may follow exports under the same name (M7.3).
+//! Values that a command takes over (`given`). Each command that may run before it must export them under the same
+//! names (M7.3).
 
 use super::{Labels, Then};
 use crate::check::body::Body;
@@ -9,20 +10,21 @@ use rpi_diag::{Code, Finding, Span};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{Next, Run};
 
-/// What runs before a step.
+/// Steps that may run before a step.
 pub(super) enum Before<'a> {
-    /// It may come first.
+    /// None: the step may be the first one.
     Nothing,
-    /// This.
+    /// This step.
     Run(&'a Run),
-    /// For each strand what it can end with: a value comes from the first that has it at each of its ends.
+    /// Parallel branches, each with the steps that it can end with. A value comes from the first branch that provides
+    /// it at each of its ends.
     Strands(Vec<Vec<&'a Run>>),
 }
 
-/// A step and what it may follow.
+/// A step, and the steps that may run before it.
 pub(super) type Follows<'a> = (Before<'a>, &'a Run);
 
-/// The steps that may follow a step by itself.
+/// Returns the steps that may directly follow a step.
 pub(super) fn followers<'a>(
     run: &'a Run,
     next: &Then<'a>,
@@ -41,7 +43,7 @@ pub(super) fn followers<'a>(
     all.map(|follower| (Before::Run(run), follower)).collect()
 }
 
-/// What a command takes over and has no default for.
+/// An input without a default that a command takes over.
 struct Taken {
     flow: FlowId,
     name: Name,
@@ -50,8 +52,8 @@ struct Taken {
 }
 
 impl<'a> Body<'_, 'a> {
-    /// Checks that all that commands take over is there: a missing value is reported once for a step. What is there may
-    /// still be absent, which is known later.
+    /// Checks that the values which commands take over are provided; reports each missing value once for a step.
+    /// Whether a provided value may be absent is checked later.
     pub(super) fn hand_over(&mut self, follows: &[Follows<'a>]) {
         let mut told: Vec<(Span, Name)> = Vec::new();
         for (before, run) in follows {
@@ -74,7 +76,8 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// Where a value comes from that a step takes over from those before it; or what is wrong with that.
+    /// Returns the sources of a value that a step takes over from the steps before it, or the diagnostic for a missing
+    /// value.
     fn handed(
         &mut self,
         taken: &Taken,
@@ -84,7 +87,7 @@ impl<'a> Body<'_, 'a> {
         match before {
             Before::Nothing => Err(Box::new(
                 not_handed(taken, run)
-                    .help("no command runs before it; make it a parameter of the command"),
+                    .help("no command runs before it; declare it as a parameter of the command"),
             )),
             Before::Run(before) => self.handed_by_all(taken, &[before], run),
             Before::Strands(strands) => {
@@ -100,7 +103,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// Each of several commands hands a value over; what an inner task ends with is its own business.
+    /// Returns the sources of a value that each of these commands must provide. Inner tasks are skipped.
     fn handed_by_all(
         &mut self,
         taken: &Taken,
@@ -116,13 +119,13 @@ impl<'a> Body<'_, 'a> {
         Ok(all)
     }
 
-    /// The command that a step runs, once its arguments are known.
+    /// Returns the unit of the command that a step runs; `None` for a task, and before the arguments are known.
     pub(super) fn command_of(&self, run: &Run) -> Option<UnitId> {
         let step = self.step_of(run).filter(|step| self.is_command(*step))?;
         Some(self.unit.steps[step].unit)
     }
 
-    /// The step that is made of a run, once its arguments are known.
+    /// Returns the index of the task step for a run; `None` before its arguments are known.
     fn step_of(&self, run: &Run) -> Option<usize> {
         let mut steps = self.unit.steps.iter();
         steps.position(|step| step.span == run.callee.span)
@@ -161,14 +164,14 @@ impl<'a> Body<'_, 'a> {
         debug_assert!(unit.kind == UnitKind::Command);
         let mut exports = unit.block(BlockId::ROOT).exports.iter().enumerate();
         let Some((index, export)) = exports.find(|(_, export)| export.key == name.as_str()) else {
-            let help = format!("write `export {name};` in `{}`", unit.name);
+            let help = format!("add `export {name};` to `{}`", unit.name);
             let finding = not_handed(taken, run).also(span, "this runs before it");
             return Err(Box::new(finding.help(help)));
         };
         let found = &unit.expr(export.value).ty;
         let [wanted, handed] = [ty, found].map(|ty| crate::check::outside_type(ty).0);
         match fit(&wanted, &handed, &mut Subst::default()) {
-            // Frames are named after the parameters of each command.
+            // Frames have the names of the parameters of each command, so they may differ.
             Ok(()) | Err(Misfit::Frame { .. }) => Ok(Handed {
                 flow: *flow,
                 by: before,
@@ -176,7 +179,7 @@ impl<'a> Body<'_, 'a> {
                 span,
             }),
             Err(_) => {
-                let text = format!("this `{name}` is `{found}`, `{ty}` is wanted");
+                let text = format!("this `{name}` is `{found}`, expected `{ty}`");
                 Err(Box::new(not_handed(taken, run).also(export.span, text)))
             }
         }
@@ -187,7 +190,7 @@ fn not_handed(taken: &Taken, run: &Run) -> Finding {
     let (name, command) = (&taken.name, &run.callee.name.name);
     Finding::new(
         Code::RPI8004,
-        format!("`{command}` takes `{name}` over, and nothing hands it over"),
+        format!("`{command}` takes over `{name}`, but no predecessor provides it"),
     )
     .at(run.callee.span, format!("`{name}` has no value here"))
     .also(taken.declared, "taken over from the predecessor")

@@ -1,13 +1,13 @@
-//! Tasks (M11): every step that is named is there, every result of a command leads somewhere, and a successor takes over
-//! what its predecessor may leave moving.
+//! Tasks (M11): every label refers to a step, every result of a command leads somewhere, and a successor takes over the
+//! devices that its predecessor may leave moving.
 //!
 //! | file | idea |
 //! |---|---|
 //! | `results.rs` | branches and the results of a command |
-//! | `takeover.rs` | what follows a `yield` |
+//! | `takeover.rs` | successors of a `yield` |
 //! | `handing.rs` | values that a command takes over |
-//! | `order.rs` | with which steps a list begins and ends |
-//! | `parallel.rs` | strands need devices of their own |
+//! | `order.rs` | first and last steps of a list |
+//! | `parallel.rs` | parallel branches must drive different devices |
 
 mod handing;
 mod order;
@@ -29,17 +29,17 @@ use order::{entry_of, first_of, lasts, run_of};
 use rpi_diag::{Code, Finding};
 use rpi_syntax::ast::{Expr, Ident, Next, Run, Step, StepKind, Strand, TaskDecl};
 
-/// The most repetitions: one in each millisecond, these take twelve days.
+/// Maximum number of repetitions: at one per millisecond they take twelve days.
 const MAX_TIMES: i64 = 1 << 30;
 
-/// Steps that can be reached by name, the innermost list last.
+/// Steps that can be reached by label, the innermost list last.
 type Labels<'a> = Vec<(&'a Ident, &'a Run)>;
 
-/// What comes after a step if nothing else is said: several where strands begin.
+/// Steps that follow a step without branches; several if parallel branches begin.
 #[derive(Clone, Default)]
 struct Then<'a> {
     runs: Vec<&'a Run>,
-    /// It follows once other strands are over, too.
+    /// Whether they start only after other parallel branches have ended, too.
     joins: bool,
 }
 
@@ -60,7 +60,8 @@ impl<'a> Body<'_, 'a> {
         self.strands_apart(task);
     }
 
-    /// Checks a list of steps, which is followed by another run of itself if it is repeated.
+    /// Checks a list of steps; `again` are the steps after the last one, which in a `repeat` are the first ones of the
+    /// list.
     fn steps(
         &mut self,
         steps: &'a [Step],
@@ -105,7 +106,7 @@ impl<'a> Body<'_, 'a> {
         labels.truncate(outer);
     }
 
-    /// Checks steps beside others: from inside of a strand no step outside can be reached by name.
+    /// Checks parallel branches. From inside of a branch no step outside can be reached by label.
     fn strands(&mut self, strands: &'a [Strand], next: &Then<'a>, follows: &mut Vec<Follows<'a>>) {
         let joined = Then {
             runs: next.runs.clone(),
@@ -121,7 +122,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// The step of a name; reports that there is none.
+    /// Returns the step of a label; reports an undefined label.
     fn label(&mut self, label: &Ident, labels: &Labels<'a>) -> Option<&'a Run> {
         let found = labels
             .iter()
@@ -135,7 +136,7 @@ impl<'a> Body<'_, 'a> {
         found.map(|(_, run)| *run)
     }
 
-    /// How often something is repeated: a whole number that is known when the task is loaded.
+    /// Checks a number of repetitions: an integer that is known when the task is loaded.
     fn times(&mut self, count: Option<&'a Expr>) {
         let Some(count) = count else { return };
         let value = self.expr(count);
@@ -150,16 +151,16 @@ impl<'a> Body<'_, 'a> {
     }
 
     fn not_so_often(&mut self, times: i64, count: &Expr) {
-        let message = format!("nothing can be repeated {times} times");
+        let message = format!("number of repetitions out of range: {times}");
         let finding = Finding::new(Code::RPI8006, message)
-            .at(count.span, format!("from 0 to {MAX_TIMES} is possible"));
+            .at(count.span, format!("must be from 0 to {MAX_TIMES}"));
         self.report(match times > 0 {
             true => finding.help("`repeat let ... tel` repeats without end"),
-            false => finding.help("correct the number"),
+            false => finding.help("use a number that is not negative"),
         });
     }
 
-    /// Whether a value is known when the task is loaded; reports that it is not.
+    /// Whether a value is known when the task is loaded; reports a value that is not.
     fn is_known(&mut self, value: ExprId) -> bool {
         let known = self.is_fixed(value);
         if !known {
@@ -188,7 +189,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// The command or task that a step runs; reports anything else.
+    /// Returns the command or task that a step runs; reports any other name.
     fn run_by(&mut self, run: &'a Run) -> Option<DeclId> {
         let name = &run.callee.name;
         let Lookup::Found(id) = self.c.program.lookup(self.module, &name.name) else {
@@ -214,7 +215,7 @@ impl<'a> Body<'_, 'a> {
         None
     }
 
-    /// Checks what a step gives, and keeps it for those who run the task.
+    /// Checks the arguments of a step, and adds the step to the unit.
     fn arguments(&mut self, id: DeclId, run: &'a Run) {
         let bound = self.bind(id, &run.callee.statics);
         let (mut given, all_named) = self.given_to(id, &run.args.iter().collect::<Vec<_>>());

@@ -1,8 +1,8 @@
-//! With which steps a list of steps begins and ends.
+//! First and last steps of a list of steps.
 
 use rpi_syntax::ast::{Next, Run, Step, StepKind};
 
-/// The command or task that a step runs.
+/// Returns the command or task that a step runs; `None` for other steps.
 pub(super) fn run_of(step: &Step) -> Option<&Run> {
     match &step.kind {
         StepKind::Run(run) => Some(run),
@@ -10,7 +10,7 @@ pub(super) fn run_of(step: &Step) -> Option<&Run> {
     }
 }
 
-/// The steps with which a list begins: several if strands are first.
+/// Returns the steps with which a list begins; several if it begins with parallel branches.
 pub(super) fn first_of(steps: &[Step]) -> Vec<&Run> {
     let start = steps.iter().find_map(|step| match &step.kind {
         StepKind::Start(label) => Some(&label.name),
@@ -29,7 +29,7 @@ pub(super) fn first_of(steps: &[Step]) -> Vec<&Run> {
     }
 }
 
-/// What a step runs first.
+/// Returns the commands or tasks that a step runs first.
 pub(super) fn entry_of(step: &Step) -> Vec<&Run> {
     match &step.kind {
         StepKind::Repeat { steps, .. } => first_of(steps),
@@ -38,7 +38,7 @@ pub(super) fn entry_of(step: &Step) -> Vec<&Run> {
     }
 }
 
-/// The steps with which a list can end: its last one, and those that lead to its `end`.
+/// Returns the steps with which a list can end: the last one, and those with a branch to `end`.
 pub(super) fn lasts(steps: &[Step]) -> Vec<&Run> {
     let ends = |run: &&Run| run.branches.iter().any(|b| matches!(b.then, Next::End(_)));
     let mut all: Vec<&Run> = steps.iter().filter_map(run_of).filter(ends).collect();

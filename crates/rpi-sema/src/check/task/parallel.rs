@@ -1,7 +1,7 @@
-//! Strands of a `parallel` run at once: what one drives no other drives.
+//! Branches of `parallel` run at the same time, so no two of them may drive the same device.
 //!
-//! Devices are followed by their names: through what steps give to commands, and to the tasks that they run. Two names are two
-//! devices, unless a task is given one device for two of its parameters: that is looked at where it is run.
+//! Devices are tracked by name, through the arguments of commands and of the tasks that steps run. Two names are two
+//! devices, unless a task gets one device for two of its parameters, which is checked where the task is run.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
@@ -16,29 +16,29 @@ use rpi_diag::{Code, Finding, Span};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{Arg, Run, Step, StepKind, TaskDecl, VarDecl};
 
-/// What steps do with devices, by the names that these have there.
+/// Devices that steps drive, by their names in the task of these steps.
 #[derive(Clone, Default)]
 pub(in crate::check) struct Uses {
-    /// What they drive, and where first.
+    /// Driven devices, each with the location of its first use.
     drives: BTreeMap<Name, Span>,
-    /// Devices that are driven at once.
+    /// Pairs of names that are driven at the same time.
     apart: BTreeSet<(Name, Name)>,
-    /// What is driven twice at once.
+    /// Devices that two branches drive at the same time.
     clashes: Vec<Clash>,
 }
 
-/// A device that two strands drive, with both places.
+/// A device that two parallel branches drive, with both locations.
 #[derive(Clone)]
 struct Clash {
     device: Name,
     first: Span,
     second: Span,
-    /// The task in which the strands are, and what it calls the device, if it is another one.
+    /// For branches of an inner task: its name, and its two names for the device.
     within: Option<(Name, Name, Name)>,
 }
 
 impl Body<'_, '_> {
-    /// Checks that strands which run at once drive devices of their own.
+    /// Checks that parallel branches drive different devices.
     pub(super) fn strands_apart(&mut self, task: &TaskDecl) {
         let mut looked = Looked {
             program: self.c.program,
@@ -52,12 +52,12 @@ impl Body<'_, '_> {
     }
 }
 
-/// Looks through tasks, through each once.
+/// Analysis of the devices that tasks drive; each task is analysed once.
 struct Looked<'c, 'p> {
     program: &'p Program<'p>,
-    /// What tasks do, by their own names.
+    /// Devices of each analysed task, by the names in that task.
     known: &'c mut Map<DeclId, Rc<Uses>>,
-    /// Tasks that are being looked at: one that runs itself is another finding.
+    /// Tasks in progress. A task that runs itself is reported elsewhere.
     open: Vec<DeclId>,
 }
 
@@ -78,7 +78,7 @@ impl Looked<'_, '_> {
         all
     }
 
-    /// What a step does, by the names of the task in which it stands.
+    /// Returns the devices that a step drives, by the names in its task.
     fn run(&mut self, run: &Run, module: ModuleId) -> Uses {
         let name = &run.callee.name.name;
         let Lookup::Found(id) = self.program.lookup(module, name) else {
@@ -99,7 +99,7 @@ impl Looked<'_, '_> {
         }
     }
 
-    /// What a task does, by its own names.
+    /// Returns the devices that a task drives, by its own names.
     fn task(&mut self, id: DeclId, task: &TaskDecl, module: ModuleId) -> Rc<Uses> {
         if let Some(known) = self.known.get(&id) {
             return known.clone();
@@ -116,7 +116,7 @@ impl Looked<'_, '_> {
 }
 
 impl Uses {
-    /// With what other steps do before or after.
+    /// Adds the devices of steps that run before or after.
     fn add(&mut self, other: Uses) {
         for (device, span) in other.drives {
             self.drives.entry(device).or_insert(span);
@@ -125,7 +125,7 @@ impl Uses {
         self.clashes.extend(other.clashes);
     }
 
-    /// With what other steps do at the same time.
+    /// Adds the devices of steps that run at the same time.
     fn beside(mut self, other: Uses) -> Uses {
         for (device, second) in &other.drives {
             for (own, first) in &self.drives {
@@ -145,8 +145,8 @@ impl Uses {
         self
     }
 
-    /// The same by the names of whoever runs a command or task with these parameters. What clashes in a task by itself is found
-    /// there.
+    /// Returns the devices of a command or task with these parameters, by the names in the task that runs it. Clashes
+    /// inside of a task are reported in that task.
     fn passed(&self, run: &Run, params: &[VarDecl]) -> Uses {
         let names: Vec<&Name> = params
             .iter()
@@ -154,7 +154,7 @@ impl Uses {
             .map(|n| &n.name)
             .collect();
         let span = run.callee.span;
-        // What is no parameter is a device of the cell, under its own name.
+        // A device that is not a parameter is a device of the cell, under its own name.
         let outside = |name: &Name| match names.contains(&name) {
             true => given(run, &names, name),
             false => Some(name.clone()),
@@ -181,7 +181,7 @@ impl Uses {
     }
 }
 
-/// The name that a step gives for a parameter.
+/// Returns the name that a step passes for a parameter.
 fn given(run: &Run, names: &[&Name], param: &Name) -> Option<Name> {
     let is_for = |(k, arg): &(usize, &Arg)| match &arg.name {
         Some(name) => name.name == *param,
@@ -194,21 +194,21 @@ fn given(run: &Run, names: &[&Name], param: &Name) -> Option<Name> {
 impl Clash {
     fn finding(&self) -> Finding {
         let device = &self.device;
-        let help = "strands run at once, each on devices of its own: let one follow the other, or move the device in a command that both are part of";
+        let help = "parallel branches need different devices: run one after the other, or move the device in a single command";
         match &self.within {
             None => Finding::new(
                 Code::RPI8005,
-                format!("two strands of `parallel` drive `{device}`"),
+                format!("two branches of `parallel` drive `{device}`"),
             )
             .at(self.second, format!("this drives `{device}`"))
             .also(self.first, "and so does this, at the same time"),
             Some((task, a, b)) => Finding::new(
                 Code::RPI8005,
-                format!("two strands of `{task}` would drive `{device}`"),
+                format!("two parallel branches of `{task}` drive `{device}`"),
             )
             .at(
                 self.second,
-                format!("`{a}` and `{b}` of `{task}` are driven at once, and both are `{device}`"),
+                format!("`{a}` and `{b}` of `{task}` are driven at the same time, and both are `{device}`"),
             ),
         }
         .help(help)

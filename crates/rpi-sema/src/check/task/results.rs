@@ -1,4 +1,4 @@
-//! Every result that a branch names is one of the command's, and every result leads somewhere.
+//! Results of commands: every result that a branch names must exist, and every result must lead somewhere.
 
 use crate::check::body::Body;
 use crate::check::names::ends_of;
@@ -8,19 +8,19 @@ use rpi_syntax::Name;
 use rpi_syntax::ast::{self, CommandDecl, EndKind, Ident, OnResult, Run};
 
 impl Body<'_, '_> {
-    /// A task ends without naming how.
+    /// Reports branches that name a result of a task, which has no named results.
     pub(super) fn no_results(&mut self, run: &Run) {
         let of = format!("the task `{}`", run.callee.name.name);
         for result in run.branches.iter().flat_map(|branch| &branch.on) {
             if let OnResult::Named(name) = result {
                 let finding = no_member(&of, &name.name, name.span, None)
-                    .help("a task has no results of its own: branch `on fail` or `on any`");
+                    .help("a task has no named results: branch `on fail` or `on any`");
                 self.report(finding);
             }
         }
     }
 
-    /// Every result that is named is one of the command's, and every result leads somewhere.
+    /// Checks that the branches of a step name results of the command, and that every result leads somewhere.
     pub(super) fn branches(&mut self, command: &CommandDecl, run: &Run) {
         let ends = ends_of(command);
         let mut named: Vec<&Ident> = Vec::new();
@@ -38,7 +38,7 @@ impl Body<'_, '_> {
         let led = |name: &Name| named.iter().any(|result| result.name == *name);
         let lost = ends.iter().filter(|end| end.kind != EndKind::Fail);
         let lost: Vec<&ast::End> = lost.copied().filter(|end| !led(&end.result.name)).collect();
-        // A name that is none of its results stands for one of these.
+        // An undefined result name was probably meant as one of the missing results.
         let slip = |result: &&Ident| ends.iter().all(|end| end.result.name != result.name);
         if !any && !lost.is_empty() && !named.iter().copied().any(|result| slip(&result)) {
             self.report(incomplete(run, &lost));
@@ -60,30 +60,30 @@ impl Body<'_, '_> {
             let near = self.c.suggest(&result.name, names());
             let of = format!("the command `{}`", command.name.name);
             let finding = no_member(&of, &result.name, result.span, near)
-                .help(format!("it ends by {}", listed(names())));
+                .help(format!("its results are {}", listed(names())));
             self.report(finding);
         }
     }
 }
 
-/// Some results lead nowhere.
+/// Returns the diagnostic for results without a branch.
 fn incomplete(run: &Run, lost: &[&ast::End]) -> Finding {
     let callee = &run.callee.name;
     let names = listed(lost.iter().map(|end| end.result.name.as_str()));
     let mut finding = Finding::new(
         Code::RPI8002,
-        format!("nothing follows {names} of `{}`", callee.name),
+        format!("no branch for {names} of `{}`", callee.name),
     )
-    .at(callee.span, "these branches do not name all of its results");
+    .at(callee.span, "the branches do not cover all of its results");
     for end in lost {
-        finding = finding.also(end.result.span, "it may end by this");
+        finding = finding.also(end.result.span, "possible result");
     }
     let all: Vec<&str> = lost.iter().map(|end| end.result.name.as_str()).collect();
     let finding =
         finding.help("add a branch: `| on r then step`, or `| on any then end` for all others");
     match run.branches.last() {
         Some(last) => finding.fix(
-            Fix::maybe("end the task then")
+            Fix::maybe("end the task in these cases")
                 .insert_after(last.span, format!(" | on {} then end", all.join(", "))),
         ),
         None => finding,

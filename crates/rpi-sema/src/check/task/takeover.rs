@@ -1,4 +1,4 @@
-//! What a command may leave moving, its successor takes over.
+//! Takeover: the successor of a command takes over the devices that the command may leave moving.
 
 use super::Labels;
 use crate::check::body::Body;
@@ -14,7 +14,7 @@ use rpi_syntax::ast::{
 };
 
 impl<'a> Body<'_, 'a> {
-    /// Whoever follows a `yield` takes over every device that may be moving then.
+    /// Checks that the successors of a `yield` take over every device that may still be moving.
     pub(super) fn successors(
         &mut self,
         command: &CommandDecl,
@@ -30,7 +30,7 @@ impl<'a> Body<'_, 'a> {
             let Some(first) = follows.first() else {
                 continue;
             };
-            // What an inner task begins with is its own business.
+            // The first steps of an inner task are not examined.
             let Some(taken) = self.taken_by(&follows) else {
                 continue;
             };
@@ -45,7 +45,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// The parameters of a command by which it writes what can move.
+    /// Returns the parameters of a command through which it writes values that can move a device.
     fn moved(&mut self, run: &Run) -> Vec<Name> {
         let Some(unit) = self.command_of(run) else {
             return Vec::new();
@@ -61,7 +61,7 @@ impl<'a> Body<'_, 'a> {
         moved.map(|flow| unit.flow(flow).name.clone()).collect()
     }
 
-    /// The devices that these steps drive together; nothing if one of them is no command.
+    /// Returns the devices that these steps drive together; `None` if one of them does not run a command.
     fn taken_by<'r>(&self, runs: &[&'r Run]) -> Option<Vec<&'r str>> {
         let mut taken = Vec::new();
         for run in runs {
@@ -78,7 +78,7 @@ impl<'a> Body<'_, 'a> {
     }
 }
 
-/// Whether what a port takes may be a place that is gone to: what is switched or counted is there at once.
+/// Whether a port of this type may be the set-point of a motion. Booleans, integers and enum values switch at once.
 fn can_move(ty: &Ty) -> bool {
     match ty {
         Ty::Bool | Ty::Int | Ty::Subrange(_) | Ty::Enum(_) => false,
@@ -88,7 +88,7 @@ fn can_move(ty: &Ty) -> bool {
     }
 }
 
-/// The steps that follow a result: several where strands begin.
+/// Returns the steps that follow a result; several if parallel branches begin.
 fn target<'a>(run: &'a Run, result: &Name, next: &[&'a Run], labels: &Labels<'a>) -> Vec<&'a Run> {
     let named = |on: &OnResult| matches!(on, OnResult::Named(name) if name.name == *result);
     let any = |on: &OnResult| matches!(on, OnResult::Any(_));
@@ -111,7 +111,7 @@ fn target<'a>(run: &'a Run, result: &Name, next: &[&'a Run], labels: &Labels<'a>
     }
 }
 
-/// The parameters of a command by which it writes to devices.
+/// Returns the parameters of a command through which it writes to devices.
 pub(super) fn driven(command: &CommandDecl) -> Vec<&Name> {
     let mut written = Vec::new();
     targets(&command.body.statements, &mut written);
@@ -122,7 +122,7 @@ pub(super) fn driven(command: &CommandDecl) -> Vec<&Name> {
         .collect()
 }
 
-/// The names of what statements define a part of, also those in fragments and states.
+/// Collects the names of which statements define a part, also in fragments and states.
 fn targets<'s>(statements: &'s [Statement], written: &mut Vec<&'s Name>) {
     for statement in statements {
         match &statement.kind {
@@ -140,7 +140,7 @@ fn targets<'s>(statements: &'s [Statement], written: &mut Vec<&'s Name>) {
     }
 }
 
-/// What a step gives for these parameters, as far as it is given by name.
+/// Returns the names that a step passes for these parameters; arguments that are not plain names are skipped.
 fn given_to<'r>(params: &[&Name], command: &CommandDecl, run: &'r Run) -> Vec<&'r str> {
     let names: Vec<&Name> = command
         .params
@@ -168,5 +168,5 @@ fn not_taken_over(command: &CommandDecl, end: &ast::End, follows: &Run, left: &[
     Finding::new(Code::RPI6201, message)
         .at(successor.span, format!("it does not drive {devices}"))
         .also(end.result.span, format!("here {devices} may still be moving"))
-        .help("this `yield` is passed over and the command goes on until it is at rest; let the successor drive the device, or branch on another result")
+        .help("the command ignores this `yield` and continues until it is at rest; drive the device in the successor, or branch on another result")
 }
