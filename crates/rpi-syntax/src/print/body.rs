@@ -1,227 +1,259 @@
 //! Printing of bodies, statements and automata.
 
+use super::blocks;
+use super::contract;
+use super::decl;
+use super::expr;
 use super::layout::{Doc, concat, group, indent, nothing, text, word};
+use super::list;
+use super::ty;
 use super::ty::dotted;
 use super::{Printer, parens};
 use crate::ast::{self, *};
 use crate::text::quote;
 use rpi_diag::Span;
 
-impl Printer<'_> {
-    /// Prints a header with its contract, local declarations and `let ... tel` below it.
-    pub(super) fn with_body(&mut self, head: Doc, contract: &Option<Contract>, body: &Body) -> Doc {
-        let contract = self.contract(contract.as_ref());
-        concat([head, contract, Doc::Hard, self.body(body)])
-    }
+/// Prints a header with its contract, local declarations and `let ... tel` below it.
+pub(super) fn with_body(
+    printer: &Printer<'_>,
+    head: Doc,
+    contract: &Option<Contract>,
+    body: &Body,
+) -> Doc {
+    let contract = contract::print_contract(printer, contract.as_ref());
+    concat([head, contract, Doc::Hard, print_body(printer, body)])
+}
 
-    /// Prints local declarations and `let ... tel`, with each statement on its own line.
-    fn body(&mut self, body: &Body) -> Doc {
-        let locals = self.locals(&body.locals);
-        let statements = self.statements(&body.statements);
-        concat([locals, block("let", statements, "tel")])
-    }
+/// Prints local declarations and `let ... tel`, with each statement on its own line.
+fn print_body(printer: &Printer<'_>, body: &Body) -> Doc {
+    let locals = print_locals(printer, &body.locals);
+    let statements = print_statements(printer, &body.statements);
+    concat([locals, block("let", statements, "tel")])
+}
 
-    /// Prints a body on one line if it is short enough.
-    fn short_body(&mut self, body: &Body) -> Doc {
-        let short = body.locals.is_empty()
-            && body.statements.len() <= MAX_ON_ONE_LINE
-            && !body
-                .statements
-                .iter()
-                .any(|statement| has_body(&statement.kind));
-        if !short {
-            return self.body(body);
-        }
-        let statements = body.statements.iter().flat_map(|statement| {
-            let doc = self.doc_lines(statement.doc.as_ref());
-            [Doc::Line, doc, self.statement(&statement.kind, 0)]
-        });
-        one_line_body(concat(statements.collect::<Vec<_>>()))
+/// Prints a body on one line if it is short enough.
+fn short_body(printer: &Printer<'_>, body: &Body) -> Doc {
+    let short = body.locals.is_empty()
+        && body.statements.len() <= MAX_ON_ONE_LINE
+        && !body
+            .statements
+            .iter()
+            .any(|statement| has_body(&statement.kind));
+    if !short {
+        return print_body(printer, body);
     }
+    let statements = body.statements.iter().flat_map(|statement| {
+        let doc = list::doc_lines(printer, statement.doc.as_ref());
+        [Doc::Line, doc, print_statement(printer, &statement.kind, 0)]
+    });
+    one_line_body(concat(statements.collect::<Vec<_>>()))
+}
 
-    fn locals(&mut self, locals: &[Locals]) -> Doc {
-        let sections = locals.iter().flat_map(|section| {
-            let section = match section {
-                Locals::Var(vars) => {
-                    self.section("var", vars, |v| v.span, |v| &v.doc, Self::var_decl)
-                }
-                Locals::Const(defs) => {
-                    self.section("const", defs, |d| d.span, |d| &d.doc, Self::const_def)
-                }
-            };
-            [section, Doc::Hard]
-        });
-        concat(sections.collect::<Vec<_>>())
-    }
-
-    /// Prints a section of declarations: `var x: int;`, or several declarations on a line each.
-    pub(super) fn section<T>(
-        &mut self,
-        head: &'static str,
-        elements: &[T],
-        span: impl Fn(&T) -> Span,
-        doc: impl Fn(&T) -> &Option<ast::Doc>,
-        mut write: impl FnMut(&mut Self, &T) -> Doc,
-    ) -> Doc {
-        if let [only] = elements
-            && doc(only).is_none()
-        {
-            let element = write(self, only);
-            return concat([word(head), word(" "), element, word(";")]);
-        }
-        let lines = self.lines(elements, span, |p, _, element| {
-            (concat([write(p, element), word(";")]), false)
-        });
-        concat([word(head), indent(concat([Doc::Hard, lines]))])
-    }
-
-    pub(super) fn statements(&mut self, statements: &[Statement]) -> Doc {
-        let widths = end_widths(statements);
-        self.lines(
-            statements,
-            |statement| statement.span,
-            |p, i, statement| {
-                let doc = p.doc_lines(statement.doc.as_ref());
-                let written = p.statement(&statement.kind, widths[i]);
-                (concat([doc, written]), has_body(&statement.kind))
-            },
-        )
-    }
-
-    /// Prints a statement. `width` is the column width of `finish`, `yield` and `fail` in adjacent statements.
-    fn statement(&mut self, kind: &StatementKind, width: usize) -> Doc {
-        let phrase = match kind {
-            StatementKind::Equation(equation) => self.equation(equation),
-            StatementKind::Call(call) => self.expr(call),
-            StatementKind::Claim(claim) if claim.kind == ClaimKind::Property => {
-                return self.property(claim);
+fn print_locals(printer: &Printer<'_>, locals: &[Locals]) -> Doc {
+    let sections = locals.iter().flat_map(|section| {
+        let section = match section {
+            Locals::Var(vars) => {
+                print_section(printer, "var", vars, |v| v.span, |v| &v.doc, ty::var_decl)
             }
-            StatementKind::Claim(claim) => self.claim(claim),
-            StatementKind::End(end) => {
-                let head = format!("{:width$} {} when ", end.kind.word(), end.result.name);
-                concat([text(head), self.expr(&end.condition)])
-            }
-            StatementKind::Export(flows) => {
-                let flows: Vec<String> = flows.iter().map(dotted).collect();
-                text(format!("export {}", flows.join(", ")))
-            }
-            StatementKind::Fragment(fragment) => return self.fragment(fragment),
-            StatementKind::Automaton(automaton) => return self.automaton(automaton),
-            StatementKind::Choice(choice) => return self.choice(choice),
-            StatementKind::Keep(keep) => return self.keep(keep),
-            StatementKind::Broken(_) => return nothing(),
+            Locals::Const(defs) => print_section(
+                printer,
+                "const",
+                defs,
+                |d| d.span,
+                |d| &d.doc,
+                ty::const_def,
+            ),
         };
-        concat([phrase, word(";")])
-    }
+        [section, Doc::Hard]
+    });
+    concat(sections.collect::<Vec<_>>())
+}
 
-    fn equation(&mut self, equation: &Equation) -> Doc {
-        let mut parts = Vec::new();
-        for (i, target) in equation.targets.iter().enumerate() {
-            parts.push(word(if i == 0 { "" } else { ", " }));
-            parts.extend([self.name(&target.name), self.path(&target.path)]);
+/// Prints a section of declarations: `var x: int;`, or several declarations on a line each.
+pub(super) fn print_section<T>(
+    printer: &Printer<'_>,
+    head: &'static str,
+    elements: &[T],
+    span: impl Fn(&T) -> Span,
+    doc: impl Fn(&T) -> &Option<ast::Doc>,
+    mut write: impl FnMut(&Printer, &T) -> Doc,
+) -> Doc {
+    if let [only] = elements
+        && doc(only).is_none()
+    {
+        let element = write(printer, only);
+        return concat([word(head), word(" "), element, word(";")]);
+    }
+    let lines = list::print_lines(printer, elements, span, |p, _, element| {
+        (concat([write(p, element), word(";")]), false)
+    });
+    concat([word(head), indent(concat([Doc::Hard, lines]))])
+}
+
+pub(super) fn print_statements(printer: &Printer<'_>, statements: &[Statement]) -> Doc {
+    let widths = end_widths(statements);
+    list::print_lines(
+        printer,
+        statements,
+        |statement| statement.span,
+        |p, i, statement| {
+            let doc = list::doc_lines(p, statement.doc.as_ref());
+            let written = print_statement(p, &statement.kind, widths[i]);
+            (concat([doc, written]), has_body(&statement.kind))
+        },
+    )
+}
+
+/// Prints a statement. `width` is the column width of `finish`, `yield` and `fail` in adjacent statements.
+fn print_statement(printer: &Printer<'_>, kind: &StatementKind, width: usize) -> Doc {
+    let phrase = match kind {
+        StatementKind::Equation(equation) => print_equation(printer, equation),
+        StatementKind::Call(call) => expr::print_expr(printer, call),
+        StatementKind::Claim(claim) if claim.kind == ClaimKind::Property => {
+            return property(printer, claim);
         }
-        if parts.is_empty() {
-            parts.push(word("()"));
+        StatementKind::Claim(claim) => print_claim(printer, claim),
+        StatementKind::End(end) => {
+            let head = format!("{:width$} {} when ", end.kind.word(), end.result.name);
+            concat([text(head), expr::print_expr(printer, &end.condition)])
         }
-        parts.extend([word(" = "), self.expr(&equation.value)]);
-        concat(parts)
-    }
-
-    pub(super) fn claim(&mut self, claim: &Claim) -> Doc {
-        let condition = self.condition(claim);
-        let provided = claim.provided.as_ref();
-        let provided = provided.map_or_else(nothing, |when| {
-            concat([word(" provided "), self.expr(when)])
-        });
-        concat([word(claim.kind.word()), word(" "), condition, provided])
-    }
-
-    /// Prints `--%PROPERTY x;`, which ends with its line. Comments within it are moved before it.
-    fn property(&mut self, claim: &Claim) -> Doc {
-        let line = concat([self.claim(claim), word(";")]);
-        Doc::Flat(Box::new(line))
-    }
-
-    /// Prints the label and condition of a claim.
-    pub(super) fn condition(&mut self, claim: &Claim) -> Doc {
-        match &claim.label {
-            Some(label) => {
-                let label = text(format!("{} ", quote(&label.name)));
-                concat([label, self.expr(&claim.condition)])
-            }
-            None => self.wrapped(&claim.condition, parens::begins_with_text(&claim.condition)),
+        StatementKind::Export(flows) => {
+            let flows: Vec<String> = flows.iter().map(dotted).collect();
+            text(format!("export {}", flows.join(", ")))
         }
-    }
+        StatementKind::Fragment(fragment) => return print_fragment(printer, fragment),
+        StatementKind::Automaton(automaton) => return print_automaton(printer, automaton),
+        StatementKind::Choice(choice) => return blocks::print_choice(printer, choice),
+        StatementKind::Keep(keep) => return blocks::print_keep(printer, keep),
+        StatementKind::Broken(_) => return nothing(),
+    };
+    concat([phrase, word(";")])
+}
 
-    fn fragment(&mut self, fragment: &FragmentDecl) -> Doc {
-        let head = self.fragment_head(fragment);
-        let contract = self.contract(fragment.contract.as_ref());
-        concat([head, contract, Doc::Hard, self.short_body(&fragment.body)])
+fn print_equation(printer: &Printer<'_>, equation: &Equation) -> Doc {
+    let mut parts = Vec::new();
+    for (i, target) in equation.targets.iter().enumerate() {
+        parts.push(word(if i == 0 { "" } else { ", " }));
+        parts.extend([
+            ty::print_name(printer, &target.name),
+            expr::print_path(printer, &target.path),
+        ]);
     }
-
-    fn automaton(&mut self, automaton: &Automaton) -> Doc {
-        let states = self.lines(
-            &automaton.states,
-            |s| s.span,
-            |p, _, state| {
-                let doc = p.doc_lines(state.doc.as_ref());
-                (concat([doc, p.state(state)]), false)
-            },
-        );
-        block("automaton", states, "end")
+    if parts.is_empty() {
+        parts.push(word("()"));
     }
+    parts.extend([word(" = "), expr::print_expr(printer, &equation.value)]);
+    concat(parts)
+}
 
-    fn state(&mut self, state: &State) -> Doc {
-        let head = if state.initial {
-            "initial state "
+pub(super) fn print_claim(printer: &Printer<'_>, claim: &Claim) -> Doc {
+    let condition = print_condition(printer, claim);
+    let provided = claim.provided.as_ref();
+    let provided = provided.map_or_else(nothing, |when| {
+        concat([word(" provided "), expr::print_expr(printer, when)])
+    });
+    concat([word(claim.kind.word()), word(" "), condition, provided])
+}
+
+/// Prints `--%PROPERTY x;`, which ends with its line. Comments within it are moved before it.
+fn property(printer: &Printer<'_>, claim: &Claim) -> Doc {
+    let line = concat([print_claim(printer, claim), word(";")]);
+    Doc::Flat(Box::new(line))
+}
+
+/// Prints the label and condition of a claim.
+pub(super) fn print_condition(printer: &Printer<'_>, claim: &Claim) -> Doc {
+    match &claim.label {
+        Some(label) => {
+            let label = text(format!("{} ", quote(&label.name)));
+            concat([label, expr::print_expr(printer, &claim.condition)])
+        }
+        None => expr::wrapped(
+            printer,
+            &claim.condition,
+            parens::begins_with_text(&claim.condition),
+        ),
+    }
+}
+
+fn print_fragment(printer: &Printer<'_>, fragment: &FragmentDecl) -> Doc {
+    let head = decl::fragment_head(printer, fragment);
+    let contract = contract::print_contract(printer, fragment.contract.as_ref());
+    concat([
+        head,
+        contract,
+        Doc::Hard,
+        short_body(printer, &fragment.body),
+    ])
+}
+
+fn print_automaton(printer: &Printer<'_>, automaton: &Automaton) -> Doc {
+    let states = list::print_lines(
+        printer,
+        &automaton.states,
+        |s| s.span,
+        |p, _, state| {
+            let doc = list::doc_lines(p, state.doc.as_ref());
+            (concat([doc, print_state(p, state)]), false)
+        },
+    );
+    block("automaton", states, "end")
+}
+
+fn print_state(printer: &Printer<'_>, state: &State) -> Doc {
+    let head = if state.initial {
+        "initial state "
+    } else {
+        "state "
+    };
+    let parts = [
+        clause(printer, "unless ", &state.unless),
+        state_body(printer, &state.body),
+        clause(printer, "until ", &state.until),
+    ];
+    concat([
+        word(head),
+        ty::print_name(printer, &state.name),
+        indent(concat(parts)),
+    ])
+}
+
+fn state_body(printer: &Printer<'_>, body: &Body) -> Doc {
+    if *body == Body::default() {
+        return nothing();
+    }
+    concat([Doc::Hard, short_body(printer, body)])
+}
+
+/// Prints all strong or all weak transitions of a state as one clause.
+// Several clauses and one clause with alternatives mean the same: the first transition that holds is taken.
+fn clause(printer: &Printer<'_>, head: &'static str, transitions: &[Transition]) -> Doc {
+    if transitions.is_empty() {
+        return nothing();
+    }
+    let alternatives = print_transitions(printer, transitions);
+    concat([Doc::Hard, word(head), alternatives, word(";")])
+}
+
+fn print_transitions(printer: &Printer<'_>, transitions: &[Transition]) -> Doc {
+    list::print_phrases(printer, transitions, |p, i, transition| {
+        let condition = match &transition.condition {
+            Some(condition) => expr::print_expr(p, condition),
+            None => word("otherwise"),
+        };
+        let then = if transition.resumes {
+            " continue "
         } else {
-            "state "
+            " then "
         };
-        let parts = [
-            self.clause("unless ", &state.unless),
-            self.state_body(&state.body),
-            self.clause("until ", &state.until),
-        ];
-        concat([word(head), self.name(&state.name), indent(concat(parts))])
-    }
-
-    fn state_body(&mut self, body: &Body) -> Doc {
-        if *body == Body::default() {
-            return nothing();
-        }
-        concat([Doc::Hard, self.short_body(body)])
-    }
-
-    /// Prints all strong or all weak transitions of a state as one clause.
-    // Several clauses and one clause with alternatives mean the same: the first transition that holds is taken.
-    fn clause(&mut self, head: &'static str, transitions: &[Transition]) -> Doc {
-        if transitions.is_empty() {
-            return nothing();
-        }
-        let alternatives = self.transitions(transitions);
-        concat([Doc::Hard, word(head), alternatives, word(";")])
-    }
-
-    fn transitions(&mut self, transitions: &[Transition]) -> Doc {
-        self.phrases(transitions, |p, i, transition| {
-            let condition = match &transition.condition {
-                Some(condition) => p.expr(condition),
-                None => word("otherwise"),
-            };
-            let then = if transition.resumes {
-                " continue "
-            } else {
-                " then "
-            };
-            let target = p.name(&transition.target);
-            concat([
-                word(if i == 0 { "" } else { "| " }),
-                condition,
-                word(then),
-                target,
-            ])
-        })
-    }
+        let target = ty::print_name(p, &transition.target);
+        concat([
+            word(if i == 0 { "" } else { "| " }),
+            condition,
+            word(then),
+            target,
+        ])
+    })
 }
 
 /// Maximum number of statements of a body on one line.

@@ -1,146 +1,151 @@
 //! Printing of calls and their arguments.
 
 use super::Printer;
+use super::expr;
 use super::layout::{Doc, concat, group, text, word};
+use super::list;
 use super::list::{PARENS, STATIC_ARGS};
+use super::ty;
 use crate::Mode;
 use crate::ast::*;
 use rpi_diag::Span;
 
-impl Printer<'_> {
-    pub(super) fn call(&mut self, call: &Call) -> Doc {
-        if let [
-            StaticArg {
-                value:
-                    StaticValue::Type(Type {
-                        kind: TypeKind::Refined(refined),
-                        ..
-                    }),
-                ..
-            },
-        ] = &call.callee.statics[..]
-        {
-            let head = format!("{} ", call.callee.name.name);
-            return concat([text(head), self.refined(refined)]);
-        }
-        if self.is_of_types(call) {
-            let name = self.name(&call.callee.name);
-            return concat([name, self.type_args("@<", &call.callee.statics)]);
-        }
-        let callee = self.callee(&call.callee);
-        let head = match &call.activation {
-            Activation::Always => callee,
-            Activation::Restart { every } => concat([
-                word("(restart "),
+pub(super) fn print_call(printer: &Printer<'_>, call: &Call) -> Doc {
+    if let [
+        StaticArg {
+            value:
+                StaticValue::Type(Type {
+                    kind: TypeKind::Refined(refined),
+                    ..
+                }),
+            ..
+        },
+    ] = &call.callee.statics[..]
+    {
+        let head = format!("{} ", call.callee.name.name);
+        return concat([text(head), ty::print_refined(printer, refined)]);
+    }
+    if is_of_types(printer, call) {
+        let name = ty::print_name(printer, &call.callee.name);
+        return concat([name, type_args(printer, "@<", &call.callee.statics)]);
+    }
+    let callee = print_callee(printer, &call.callee);
+    let head = match &call.activation {
+        Activation::Always => callee,
+        Activation::Restart { every } => concat([
+            word("(restart "),
+            callee,
+            word(" every "),
+            expr::print_expr(printer, every),
+            word(")"),
+        ]),
+        Activation::Activate {
+            every,
+            restart,
+            default,
+        } => {
+            let mut parts = vec![
+                word("(activate "),
                 callee,
                 word(" every "),
-                self.expr(every),
-                word(")"),
-            ]),
-            Activation::Activate {
-                every,
-                restart,
-                default,
-            } => {
-                let mut parts = vec![
-                    word("(activate "),
-                    callee,
-                    word(" every "),
-                    self.expr(every),
-                ];
-                if let Some(default) = default {
-                    parts.extend([word(" initial default "), self.expr(default)]);
-                }
-                if let Some(restart) = restart {
-                    parts.extend([word(" restart every "), self.expr(restart)]);
-                }
-                parts.push(word(")"));
-                concat(parts)
+                expr::print_expr(printer, every),
+            ];
+            if let Some(default) = default {
+                parts.extend([
+                    word(" initial default "),
+                    expr::print_expr(printer, default),
+                ]);
             }
-        };
-        group(concat([head, self.args(&call.args)]))
-    }
-
-    /// Returns whether a call is `any@<T>`, which Kind 2 writes without parentheses.
-    fn is_of_types(&self, call: &Call) -> bool {
-        let is_type = |arg: &StaticArg| {
-            arg.name.is_none() && matches!(arg.value, StaticValue::Type(_) | StaticValue::Expr(_))
-        };
-        let statics = &call.callee.statics;
-        self.mode == Mode::Lustre
-            && matches!(&*call.callee.name.name, "any" | "choose")
-            && matches!(call.activation, Activation::Always)
-            && call.args.is_empty()
-            && !statics.is_empty()
-            && statics.iter().all(is_type)
-    }
-
-    pub(super) fn args(&mut self, args: &[Arg]) -> Doc {
-        self.list(PARENS, args, arg_span, |p, arg| {
-            let value = p.expr(&arg.value);
-            named(arg.name.as_ref(), value)
-        })
-    }
-
-    /// Prints type arguments in a `.lus` file: `<int; real>`, after `open`.
-    pub(super) fn type_args(&mut self, open: &'static str, args: &[StaticArg]) -> Doc {
-        let mut parts = Vec::new();
-        for (i, arg) in args.iter().enumerate() {
-            parts.push(word(if i == 0 { open } else { "; " }));
-            parts.push(match &arg.value {
-                StaticValue::Type(ty) => self.ty(ty),
-                value => self.static_value(value, false),
-            });
-        }
-        parts.push(word(if args.is_empty() { "" } else { ">" }));
-        concat(parts)
-    }
-
-    pub(super) fn callee(&mut self, callee: &Callee) -> Doc {
-        let name = self.name(&callee.name);
-        let statics = match self.is_of_kind2(callee) {
-            true => self.type_args("@<", &callee.statics),
-            false => self.static_args(&callee.statics),
-        };
-        concat([name, statics])
-    }
-
-    /// Returns whether a callee was written `f@<int>`, the only form that Kind 2 accepts for type arguments.
-    fn is_of_kind2(&self, callee: &Callee) -> bool {
-        let name = callee.name.span;
-        let source = self
-            .source
-            .filter(|_| self.mode == Mode::Lustre && !name.is_none());
-        source.is_some_and(|source| source.token_from(name.end) == "@")
-    }
-
-    pub(super) fn static_args(&mut self, args: &[StaticArg]) -> Doc {
-        match args {
-            [] => Doc::Concat(Vec::new()),
-            args => self.list(
-                STATIC_ARGS,
-                args,
-                |arg| arg.span,
-                |p, arg| {
-                    let is_last = args.last().is_some_and(|last| std::ptr::eq(last, arg));
-                    let value = p.static_value(&arg.value, is_last);
-                    named(arg.name.as_ref(), value)
-                },
-            ),
-        }
-    }
-
-    fn static_value(&mut self, value: &StaticValue, is_last: bool) -> Doc {
-        match value {
-            StaticValue::Expr(expr) => self.expr(expr),
-            StaticValue::Op(op) => static_op(*op, is_last),
-            StaticValue::Callee(callee) if callee.statics.is_empty() => {
-                concat([word("node "), self.callee(callee)])
+            if let Some(restart) = restart {
+                parts.extend([word(" restart every "), expr::print_expr(printer, restart)]);
             }
-            StaticValue::Callee(callee) => self.callee(callee),
-            StaticValue::Type(ty) if is_plain(ty) => self.ty(ty),
-            StaticValue::Type(ty) => concat([word("type "), self.ty(ty)]),
+            parts.push(word(")"));
+            concat(parts)
         }
+    };
+    group(concat([head, print_args(printer, &call.args)]))
+}
+
+/// Returns whether a call is `any@<T>`, which Kind 2 writes without parentheses.
+fn is_of_types(printer: &Printer<'_>, call: &Call) -> bool {
+    let is_type = |arg: &StaticArg| {
+        arg.name.is_none() && matches!(arg.value, StaticValue::Type(_) | StaticValue::Expr(_))
+    };
+    let statics = &call.callee.statics;
+    printer.mode == Mode::Lustre
+        && matches!(&*call.callee.name.name, "any" | "choose")
+        && matches!(call.activation, Activation::Always)
+        && call.args.is_empty()
+        && !statics.is_empty()
+        && statics.iter().all(is_type)
+}
+
+pub(super) fn print_args(printer: &Printer<'_>, args: &[Arg]) -> Doc {
+    list::print_list(printer, PARENS, args, arg_span, |p, arg| {
+        let value = expr::print_expr(p, &arg.value);
+        named(arg.name.as_ref(), value)
+    })
+}
+
+/// Prints type arguments in a `.lus` file: `<int; real>`, after `open`.
+pub(super) fn type_args(printer: &Printer<'_>, open: &'static str, args: &[StaticArg]) -> Doc {
+    let mut parts = Vec::new();
+    for (i, arg) in args.iter().enumerate() {
+        parts.push(word(if i == 0 { open } else { "; " }));
+        parts.push(match &arg.value {
+            StaticValue::Type(ty) => ty::print_ty(printer, ty),
+            value => static_value(printer, value, false),
+        });
+    }
+    parts.push(word(if args.is_empty() { "" } else { ">" }));
+    concat(parts)
+}
+
+pub(super) fn print_callee(printer: &Printer<'_>, callee: &Callee) -> Doc {
+    let name = ty::print_name(printer, &callee.name);
+    let statics = match is_of_kind2(printer, callee) {
+        true => type_args(printer, "@<", &callee.statics),
+        false => static_args(printer, &callee.statics),
+    };
+    concat([name, statics])
+}
+
+/// Returns whether a callee was written `f@<int>`, the only form that Kind 2 accepts for type arguments.
+fn is_of_kind2(printer: &Printer<'_>, callee: &Callee) -> bool {
+    let name = callee.name.span;
+    let source = printer
+        .source
+        .filter(|_| printer.mode == Mode::Lustre && !name.is_none());
+    source.is_some_and(|source| source.token_from(name.end) == "@")
+}
+
+pub(super) fn static_args(printer: &Printer<'_>, args: &[StaticArg]) -> Doc {
+    match args {
+        [] => Doc::Concat(Vec::new()),
+        args => list::print_list(
+            printer,
+            STATIC_ARGS,
+            args,
+            |arg| arg.span,
+            |p, arg| {
+                let is_last = args.last().is_some_and(|last| std::ptr::eq(last, arg));
+                let value = static_value(p, &arg.value, is_last);
+                named(arg.name.as_ref(), value)
+            },
+        ),
+    }
+}
+
+fn static_value(printer: &Printer<'_>, value: &StaticValue, is_last: bool) -> Doc {
+    match value {
+        StaticValue::Expr(expr) => expr::print_expr(printer, expr),
+        StaticValue::Op(op) => static_op(*op, is_last),
+        StaticValue::Callee(callee) if callee.statics.is_empty() => {
+            concat([word("node "), print_callee(printer, callee)])
+        }
+        StaticValue::Callee(callee) => print_callee(printer, callee),
+        StaticValue::Type(ty) if is_plain(ty) => ty::print_ty(printer, ty),
+        StaticValue::Type(ty) => concat([word("type "), ty::print_ty(printer, ty)]),
     }
 }
 

@@ -1,226 +1,272 @@
 //! Printing of top-level declarations.
 
 use super::Printer;
+use super::body;
+use super::call;
+use super::contract;
+use super::expr;
 use super::layout::{Doc, concat, group, indent, nothing, text, word};
+use super::list;
+use super::task;
+use super::ty;
 use super::ty::{dotted, names, type_params};
 use crate::Mode;
 use crate::ast::*;
 use crate::text::quote;
 
-impl Printer<'_> {
-    /// Prints declarations one below the other. Those of several lines have empty lines around them.
-    pub(super) fn items(&mut self, items: &[Item]) -> Doc {
-        self.lines(
-            items,
-            |item| item.span,
-            |p, _, item| {
-                let doc = p.item(&item.kind);
-                let apart = doc.flat_width().is_none();
-                (concat([p.doc_lines(item.doc.as_ref()), doc]), apart)
-            },
-        )
-    }
+/// Prints declarations one below the other. Those of several lines have empty lines around them.
+pub(super) fn print_items(printer: &Printer<'_>, items: &[Item]) -> Doc {
+    list::print_lines(
+        printer,
+        items,
+        |item| item.span,
+        |p, _, item| {
+            let doc = print_item(p, &item.kind);
+            let apart = doc.flat_width().is_none();
+            (concat([list::doc_lines(p, item.doc.as_ref()), doc]), apart)
+        },
+    )
+}
 
-    fn item(&mut self, kind: &ItemKind) -> Doc {
-        match kind {
-            ItemKind::Use(modules) => text(format!("use {};", names(modules))),
-            ItemKind::Include(file) => text(format!("include {}", quote(&file.name))),
-            ItemKind::Const(defs) => {
-                self.section("const", defs, |d| d.span, |d| &d.doc, Self::const_def)
-            }
-            ItemKind::Type(defs) if is_datatype(defs) => {
-                self.section("datatype", defs, |d| d.span, |d| &d.doc, Self::type_def)
-            }
-            ItemKind::Type(defs) => {
-                self.section("type", defs, |d| d.span, |d| &d.doc, Self::type_def)
-            }
-            ItemKind::Node(node) => self.node(node),
-            ItemKind::Fragment(fragment) => {
-                let head = self.fragment_head(fragment);
-                self.with_body(head, &fragment.contract, &fragment.body)
-            }
-            ItemKind::Primitive(primitive) => self.primitive(primitive),
-            ItemKind::Device(device) => self.device(device),
-            ItemKind::Frame(frame) => self.frame(frame),
-            ItemKind::Command(command) => self.command(command),
-            ItemKind::Task(task) => self.task(task),
-            ItemKind::Test(test) => {
-                let head = text(format!("test {}", quote(&test.title.name)));
-                self.with_body(head, &None, &test.body)
-            }
-            ItemKind::Broken(_) => nothing(),
+fn print_item(printer: &Printer<'_>, kind: &ItemKind) -> Doc {
+    match kind {
+        ItemKind::Use(modules) => text(format!("use {};", names(modules))),
+        ItemKind::Include(file) => text(format!("include {}", quote(&file.name))),
+        ItemKind::Const(defs) => body::print_section(
+            printer,
+            "const",
+            defs,
+            |d| d.span,
+            |d| &d.doc,
+            ty::const_def,
+        ),
+        ItemKind::Type(defs) if is_datatype(defs) => {
+            body::print_section(printer, "datatype", defs, |d| d.span, |d| &d.doc, type_def)
         }
+        ItemKind::Type(defs) => {
+            body::print_section(printer, "type", defs, |d| d.span, |d| &d.doc, type_def)
+        }
+        ItemKind::Node(node) => print_node(printer, node),
+        ItemKind::Fragment(fragment) => {
+            let head = fragment_head(printer, fragment);
+            body::with_body(printer, head, &fragment.contract, &fragment.body)
+        }
+        ItemKind::Primitive(primitive) => print_primitive(printer, primitive),
+        ItemKind::Device(device) => print_device(printer, device),
+        ItemKind::Frame(frame) => print_frame(printer, frame),
+        ItemKind::Command(command) => print_command(printer, command),
+        ItemKind::Task(task) => task::print_task(printer, task),
+        ItemKind::Test(test) => {
+            let head = text(format!("test {}", quote(&test.title.name)));
+            body::with_body(printer, head, &None, &test.body)
+        }
+        ItemKind::Broken(_) => nothing(),
     }
+}
 
-    fn type_def(&mut self, def: &TypeDef) -> Doc {
-        let params = type_params(&def.statics);
-        let name = concat([
-            self.doc_lines(def.doc.as_ref()),
-            self.name(&def.name),
-            params,
+fn type_def(printer: &Printer<'_>, def: &TypeDef) -> Doc {
+    let params = type_params(&def.statics);
+    let name = concat([
+        list::doc_lines(printer, def.doc.as_ref()),
+        ty::print_name(printer, &def.name),
+        params,
+    ]);
+    match &def.ty {
+        Some(ty) => concat([name, word(" = "), ty::print_ty(printer, ty)]),
+        None => name,
+    }
+}
+
+/// Prints name, static parameters and ports. The ports are on lines of their own if they do not fit.
+pub(super) fn print_signature(printer: &Printer<'_>, signature: &Signature) -> Doc {
+    let head = concat([
+        ty::print_name(printer, &signature.name),
+        ty::static_params(printer, &signature.statics),
+    ]);
+    let ports = signature_ports(printer, signature);
+    group(concat([head, indent(ports)]))
+}
+
+fn signature_ports(printer: &Printer<'_>, signature: &Signature) -> Doc {
+    let mut parts = Vec::new();
+    if let Some(inputs) = &signature.inputs {
+        parts.extend([Doc::Line, ty::print_ports(printer, inputs)]);
+    }
+    if let Some(outputs) = &signature.outputs {
+        parts.extend([
+            Doc::Line,
+            word("returns "),
+            ty::print_ports(printer, outputs),
         ]);
-        match &def.ty {
-            Some(ty) => concat([name, word(" = "), self.ty(ty)]),
-            None => name,
-        }
     }
+    concat(parts)
+}
 
-    /// Prints name, static parameters and ports. The ports are on lines of their own if they do not fit.
-    pub(super) fn signature(&mut self, signature: &Signature) -> Doc {
-        let head = concat([
-            self.name(&signature.name),
-            self.static_params(&signature.statics),
-        ]);
-        let ports = self.signature_ports(signature);
-        group(concat([head, indent(ports)]))
-    }
-
-    fn signature_ports(&mut self, signature: &Signature) -> Doc {
-        let mut parts = Vec::new();
-        if let Some(inputs) = &signature.inputs {
-            parts.extend([Doc::Line, self.ports(inputs)]);
+fn print_node(printer: &Printer<'_>, node: &NodeDecl) -> Doc {
+    let (before, after) = match node.outside {
+        Outside::Imported => (None, node.outside.word()),
+        _ => (node.outside.word(), None),
+    };
+    let words = [node.modifier.word(), before, Some(node.kind.word()), after];
+    let words = words.into_iter().flatten();
+    let mut head: Vec<Doc> = words.flat_map(|of| [word(of), word(" ")]).collect();
+    head.push(print_signature(printer, &node.signature));
+    let head = concat(head);
+    match &node.definition {
+        NodeDef::Body(_) if node.kind == NodeKind::Contract => {
+            let contract = contract::contract_alone(printer, node.contract.as_ref());
+            concat([head, word(";"), contract])
         }
-        if let Some(outputs) = &signature.outputs {
-            parts.extend([Doc::Line, word("returns "), self.ports(outputs)]);
+        NodeDef::Body(body) => {
+            let semi = word(if printer.mode == Mode::Lustre {
+                ";"
+            } else {
+                ""
+            });
+            body::with_body(printer, concat([head, semi]), &node.contract, body)
         }
-        concat(parts)
-    }
-
-    fn node(&mut self, node: &NodeDecl) -> Doc {
-        let (before, after) = match node.outside {
-            Outside::Imported => (None, node.outside.word()),
-            _ => (node.outside.word(), None),
-        };
-        let words = [node.modifier.word(), before, Some(node.kind.word()), after];
-        let words = words.into_iter().flatten();
-        let mut head: Vec<Doc> = words.flat_map(|of| [word(of), word(" ")]).collect();
-        head.push(self.signature(&node.signature));
-        let head = concat(head);
-        match &node.definition {
-            NodeDef::Body(_) if node.kind == NodeKind::Contract => {
-                let contract = self.contract_alone(node.contract.as_ref());
-                concat([head, word(";"), contract])
-            }
-            NodeDef::Body(body) => {
-                let semi = word(if self.mode == Mode::Lustre { ";" } else { "" });
-                self.with_body(concat([head, semi]), &node.contract, body)
-            }
-            NodeDef::Alias(callee) => concat([head, word(" = "), self.callee(callee), word(";")]),
-            NodeDef::Extern => concat([head, word(";"), self.contract(node.contract.as_ref())]),
-        }
-    }
-
-    /// Prints the header of a fragment: `fragment F (...) returns (...) when c restart budget b`.
-    pub(super) fn fragment_head(&mut self, fragment: &FragmentDecl) -> Doc {
-        let signature = &fragment.signature;
-        let name = self.name(&signature.name);
-        let statics = self.static_params(&signature.statics);
-        let mut parts = vec![self.signature_ports(signature)];
-        if let Some(when) = &fragment.when {
-            parts.extend([Doc::Line, word("when "), self.expr(&when.condition)]);
-            if when.restart {
-                parts.push(word(" restart"));
-            }
-        }
-        parts.push(self.budget(fragment.budget.as_ref()));
-        group(concat([
-            word("fragment "),
-            name,
-            statics,
-            indent(concat(parts)),
-        ]))
-    }
-
-    fn budget(&mut self, budget: Option<&Expr>) -> Doc {
-        match budget {
-            Some(budget) => concat([Doc::Line, word("budget "), self.expr(budget)]),
-            None => nothing(),
-        }
-    }
-
-    fn primitive(&mut self, primitive: &PrimitiveDecl) -> Doc {
-        let signature = &primitive.signature;
-        let name = self.name(&signature.name);
-        let statics = self.static_params(&signature.statics);
-        let ports = self.signature_ports(signature);
-        let budget = self.budget(primitive.budget.as_ref());
-        group(concat([
-            word("primitive "),
-            name,
-            statics,
-            indent(concat([ports, budget])),
+        NodeDef::Alias(callee) => concat([
+            head,
+            word(" = "),
+            call::print_callee(printer, callee),
             word(";"),
-        ]))
+        ]),
+        NodeDef::Extern => concat([
+            head,
+            word(";"),
+            contract::print_contract(printer, node.contract.as_ref()),
+        ]),
     }
+}
 
-    fn device(&mut self, device: &DeviceDecl) -> Doc {
-        let name = self.name(&device.name);
-        let head = concat([word("device "), name, self.static_params(&device.statics)]);
-        let sections = self.lines(
-            &device.sections,
-            |s| s.span,
-            |p, _, section| (p.device_section(section), false),
-        );
-        concat([head, indent(concat([Doc::Hard, sections]))])
-    }
-
-    fn device_section(&mut self, section: &DeviceSection) -> Doc {
-        /// Width of the longest keyword and a space.
-        const COLUMN: usize = "actuator ".len();
-        let word = section.kind.word();
-        let ports = self.lines(
-            &section.ports,
-            |port| port.span,
-            |p, _, port| (p.device_port(port), false),
-        );
-        concat([
-            text(format!("{word:COLUMN$}")),
-            Doc::Indent(COLUMN, Box::new(ports)),
-        ])
-    }
-
-    fn device_port(&mut self, port: &DevicePort) -> Doc {
-        let alternatives = self.phrases(&port.alternatives, |p, i, var| {
-            concat([word(if i == 0 { "" } else { "| " }), p.var_decl(var)])
-        });
-        concat([alternatives, word(";")])
-    }
-
-    fn frame(&mut self, frame: &FrameDecl) -> Doc {
-        let mut parts = vec![text(format!("frame {}", names(&frame.names)))];
-        if let Some(parent) = &frame.parent {
-            parts.push(text(format!(" in {}", dotted(parent))));
+/// Prints the header of a fragment: `fragment F (...) returns (...) when c restart budget b`.
+pub(super) fn fragment_head(printer: &Printer<'_>, fragment: &FragmentDecl) -> Doc {
+    let signature = &fragment.signature;
+    let name = ty::print_name(printer, &signature.name);
+    let statics = ty::static_params(printer, &signature.statics);
+    let mut parts = vec![signature_ports(printer, signature)];
+    if let Some(when) = &fragment.when {
+        parts.extend([
+            Doc::Line,
+            word("when "),
+            expr::print_expr(printer, &when.condition),
+        ]);
+        if when.restart {
+            parts.push(word(" restart"));
         }
-        if let Some(pose) = &frame.pose {
-            parts.extend([word(" = "), self.expr(pose)]);
-        }
-        parts.push(word(";"));
-        concat(parts)
     }
+    parts.push(print_budget(printer, fragment.budget.as_ref()));
+    group(concat([
+        word("fragment "),
+        name,
+        statics,
+        indent(concat(parts)),
+    ]))
+}
 
-    fn command(&mut self, command: &CommandDecl) -> Doc {
-        let name = self.name(&command.name);
-        let statics = self.static_params(&command.statics);
-        let mut parts = vec![self.params(&command.params)];
-        if !command.given.is_empty() {
-            parts.extend([Doc::Line, word("given "), self.ports(&command.given)]);
-        }
-        parts.push(self.budget(command.budget.as_ref()));
-        let head = group(concat([
-            word("command "),
-            name,
-            statics,
-            indent(concat(parts)),
-        ]));
-        self.with_body(head, &command.contract, &command.body)
+fn print_budget(printer: &Printer<'_>, budget: Option<&Expr>) -> Doc {
+    match budget {
+        Some(budget) => concat([
+            Doc::Line,
+            word("budget "),
+            expr::print_expr(printer, budget),
+        ]),
+        None => nothing(),
     }
+}
 
-    /// Prints the parameters of a command or task, or nothing if there are none.
-    pub(super) fn params(&mut self, params: &[VarDecl]) -> Doc {
-        match params {
-            [] => nothing(),
-            params => concat([Doc::Line, self.ports(params)]),
-        }
+fn print_primitive(printer: &Printer<'_>, primitive: &PrimitiveDecl) -> Doc {
+    let signature = &primitive.signature;
+    let name = ty::print_name(printer, &signature.name);
+    let statics = ty::static_params(printer, &signature.statics);
+    let ports = signature_ports(printer, signature);
+    let budget = print_budget(printer, primitive.budget.as_ref());
+    group(concat([
+        word("primitive "),
+        name,
+        statics,
+        indent(concat([ports, budget])),
+        word(";"),
+    ]))
+}
+
+fn print_device(printer: &Printer<'_>, device: &DeviceDecl) -> Doc {
+    let name = ty::print_name(printer, &device.name);
+    let head = concat([
+        word("device "),
+        name,
+        ty::static_params(printer, &device.statics),
+    ]);
+    let sections = list::print_lines(
+        printer,
+        &device.sections,
+        |s| s.span,
+        |p, _, section| (device_section(p, section), false),
+    );
+    concat([head, indent(concat([Doc::Hard, sections]))])
+}
+
+fn device_section(printer: &Printer<'_>, section: &DeviceSection) -> Doc {
+    /// Width of the longest keyword and a space.
+    const COLUMN: usize = "actuator ".len();
+    let word = section.kind.word();
+    let ports = list::print_lines(
+        printer,
+        &section.ports,
+        |port| port.span,
+        |p, _, port| (device_port(p, port), false),
+    );
+    concat([
+        text(format!("{word:COLUMN$}")),
+        Doc::Indent(COLUMN, Box::new(ports)),
+    ])
+}
+
+fn device_port(printer: &Printer<'_>, port: &DevicePort) -> Doc {
+    let alternatives = list::print_phrases(printer, &port.alternatives, |p, i, var| {
+        concat([word(if i == 0 { "" } else { "| " }), ty::var_decl(p, var)])
+    });
+    concat([alternatives, word(";")])
+}
+
+fn print_frame(printer: &Printer<'_>, frame: &FrameDecl) -> Doc {
+    let mut parts = vec![text(format!("frame {}", names(&frame.names)))];
+    if let Some(parent) = &frame.parent {
+        parts.push(text(format!(" in {}", dotted(parent))));
+    }
+    if let Some(pose) = &frame.pose {
+        parts.extend([word(" = "), expr::print_expr(printer, pose)]);
+    }
+    parts.push(word(";"));
+    concat(parts)
+}
+
+fn print_command(printer: &Printer<'_>, command: &CommandDecl) -> Doc {
+    let name = ty::print_name(printer, &command.name);
+    let statics = ty::static_params(printer, &command.statics);
+    let mut parts = vec![print_params(printer, &command.params)];
+    if !command.given.is_empty() {
+        parts.extend([
+            Doc::Line,
+            word("given "),
+            ty::print_ports(printer, &command.given),
+        ]);
+    }
+    parts.push(print_budget(printer, command.budget.as_ref()));
+    let head = group(concat([
+        word("command "),
+        name,
+        statics,
+        indent(concat(parts)),
+    ]));
+    body::with_body(printer, head, &command.contract, &command.body)
+}
+
+/// Prints the parameters of a command or task, or nothing if there are none.
+pub(super) fn print_params(printer: &Printer<'_>, params: &[VarDecl]) -> Doc {
+    match params {
+        [] => nothing(),
+        params => concat([Doc::Line, ty::print_ports(printer, params)]),
     }
 }
 

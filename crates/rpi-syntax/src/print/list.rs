@@ -47,96 +47,94 @@ const fn spaced(separator: &'static str) -> Brackets {
     }
 }
 
-impl Printer<'_> {
-    /// Prints a list in brackets on one line, `(a, b)`, or with one element per line.
-    pub(super) fn list<T>(
-        &mut self,
-        brackets: Brackets,
-        elements: &[T],
-        span: impl Fn(&T) -> Span,
-        mut write: impl FnMut(&mut Self, &T) -> Doc,
-    ) -> Doc {
-        let edge = || {
-            if brackets.spaced {
-                Doc::Line
-            } else {
-                Doc::Soft
-            }
-        };
-        let mut parts = Vec::new();
-        for (i, element) in elements.iter().enumerate() {
-            let is_last = i + 1 == elements.len();
-            parts.push(if i == 0 { edge() } else { Doc::Line });
-            let written = write(self, element);
-            parts.push(self.part(span(element), written));
-            parts.push(word(if is_last { "" } else { brackets.separator }));
+/// Prints a list in brackets on one line, `(a, b)`, or with one element per line.
+pub(super) fn print_list<T>(
+    printer: &Printer<'_>,
+    brackets: Brackets,
+    elements: &[T],
+    span: impl Fn(&T) -> Span,
+    mut write: impl FnMut(&Printer, &T) -> Doc,
+) -> Doc {
+    let edge = || {
+        if brackets.spaced {
+            Doc::Line
+        } else {
+            Doc::Soft
         }
-        bracketed(brackets, concat(parts), edge())
+    };
+    let mut parts = Vec::new();
+    for (i, element) in elements.iter().enumerate() {
+        let is_last = i + 1 == elements.len();
+        parts.push(if i == 0 { edge() } else { Doc::Line });
+        let written = write(printer, element);
+        parts.push(printer.part(span(element), written));
+        parts.push(word(if is_last { "" } else { brackets.separator }));
     }
+    bracketed(brackets, concat(parts), edge())
+}
 
-    /// Prints phrases, such as the operands of a chain, on one line, or with one phrase per line if they do not fit.
-    pub(super) fn phrases<T>(
-        &mut self,
-        elements: &[T],
-        write: impl FnMut(&mut Self, usize, &T) -> Doc,
-    ) -> Doc {
-        let mut parts = self.phrase_parts(elements, write).into_iter();
-        let first = parts.next().unwrap_or_else(nothing);
-        let rest = concat(parts.map(indent));
-        match rest.is_nothing() {
-            true => group(first),
-            false => group(concat([Doc::Hang(Box::new(first)), rest])),
-        }
+/// Prints phrases, such as the operands of a chain, on one line, or with one phrase per line if they do not fit.
+pub(super) fn print_phrases<T>(
+    printer: &Printer<'_>,
+    elements: &[T],
+    write: impl FnMut(&Printer, usize, &T) -> Doc,
+) -> Doc {
+    let mut parts = print_phrase_parts(printer, elements, write).into_iter();
+    let first = parts.next().unwrap_or_else(nothing);
+    let rest = concat(parts.map(indent));
+    match rest.is_nothing() {
+        true => group(first),
+        false => group(concat([Doc::Hang(Box::new(first)), rest])),
     }
+}
 
-    /// Returns the phrases as documents, each after the first with a `Line` before it.
-    pub(super) fn phrase_parts<T>(
-        &mut self,
-        elements: &[T],
-        mut write: impl FnMut(&mut Self, usize, &T) -> Doc,
-    ) -> Vec<Doc> {
-        let mut parts = Vec::new();
-        for (i, element) in elements.iter().enumerate() {
-            let before = if i == 0 { nothing() } else { Doc::Line };
-            parts.push(concat([before, write(self, i, element)]));
-        }
-        parts
+/// Returns the phrases as documents, each after the first with a `Line` before it.
+pub(super) fn print_phrase_parts<T>(
+    printer: &Printer<'_>,
+    elements: &[T],
+    mut write: impl FnMut(&Printer, usize, &T) -> Doc,
+) -> Vec<Doc> {
+    let mut parts = Vec::new();
+    for (i, element) in elements.iter().enumerate() {
+        let before = if i == 0 { nothing() } else { Doc::Line };
+        parts.push(concat([before, write(printer, i, element)]));
     }
+    parts
+}
 
-    /// Prints the lines of a block, one below the other.
-    ///
-    /// Of consecutive empty lines in the source, one is kept. Elements that `write` marks with `true` have an empty
-    /// line before and after them.
-    pub(super) fn lines<T>(
-        &mut self,
-        elements: &[T],
-        span: impl Fn(&T) -> Span,
-        mut write: impl FnMut(&mut Self, usize, &T) -> (Doc, bool),
-    ) -> Doc {
-        let mut parts = Vec::new();
-        let mut was_apart = false;
-        for (i, element) in elements.iter().enumerate() {
-            let (doc, apart) = write(self, i, element);
-            let blank = apart || was_apart || self.blank_before(span(element));
-            parts.extend((i > 0).then_some(Doc::Hard));
-            parts.extend((i > 0 && blank).then_some(Doc::Empty));
-            parts.push(self.part(span(element), doc));
-            was_apart = apart;
-        }
-        concat(parts)
+/// Prints the lines of a block, one below the other.
+///
+/// Of consecutive empty lines in the source, one is kept. Elements that `write` marks with `true` have an empty
+/// line before and after them.
+pub(super) fn print_lines<T>(
+    printer: &Printer<'_>,
+    elements: &[T],
+    span: impl Fn(&T) -> Span,
+    mut write: impl FnMut(&Printer, usize, &T) -> (Doc, bool),
+) -> Doc {
+    let mut parts = Vec::new();
+    let mut was_apart = false;
+    for (i, element) in elements.iter().enumerate() {
+        let (doc, apart) = write(printer, i, element);
+        let blank = apart || was_apart || printer.blank_before(span(element));
+        parts.extend((i > 0).then_some(Doc::Hard));
+        parts.extend((i > 0 && blank).then_some(Doc::Empty));
+        parts.push(printer.part(span(element), doc));
+        was_apart = apart;
     }
+    concat(parts)
+}
 
-    /// Prints the doc comment of a tree without source. With a source, comments are inserted later.
-    pub(super) fn doc_lines(&self, doc: Option<&ast::Doc>) -> Doc {
-        let Some(doc) = doc.filter(|_| self.source.is_none()) else {
-            return nothing();
-        };
-        let line = |line: &str| match line.trim_end() {
-            "" => text("--|"),
-            line => text(format!("--| {line}")),
-        };
-        concat(doc.split('\n').flat_map(|l| [line(l), Doc::Hard]))
-    }
+/// Prints the doc comment of a tree without source. With a source, comments are inserted later.
+pub(super) fn doc_lines(printer: &Printer<'_>, doc: Option<&ast::Doc>) -> Doc {
+    let Some(doc) = doc.filter(|_| printer.source.is_none()) else {
+        return nothing();
+    };
+    let line = |line: &str| match line.trim_end() {
+        "" => text("--|"),
+        line => text(format!("--| {line}")),
+    };
+    concat(doc.split('\n').flat_map(|l| [line(l), Doc::Hard]))
 }
 
 /// Prints content between brackets, indented if it breaks. `edge` precedes the closing bracket.

@@ -42,7 +42,8 @@ pub use head::head;
 /// Parsing the result gives the same tree, except for parentheses and locations, if every name in it is valid: see
 /// [`is_name`](crate::is_name).
 pub fn print(file: &File, mode: Mode) -> String {
-    with_stack(|| written(&Printer { mode, source: None }.items(&file.items)))
+    let printer = Printer { mode, source: None };
+    with_stack(|| written(&decl::print_items(&printer, &file.items)))
 }
 
 /// Formats a source text. A text with errors is not formatted: its errors are returned instead.
@@ -76,11 +77,11 @@ fn format_lines(text: &str, mode: Mode) -> Result<String, Vec<Finding>> {
     }
     let source = Source::new(text, &tokens, &parsed.comments.all);
     Ok(with_stack(|| {
-        let mut printer = Printer {
+        let printer = Printer {
             mode,
             source: Some(&source),
         };
-        let plain = printer.items(&parsed.file.items);
+        let plain = decl::print_items(&printer, &parsed.file.items);
         written(&weave(plain, &source))
     }))
 }
