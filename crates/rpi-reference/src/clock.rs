@@ -52,6 +52,8 @@ struct Finder<'p> {
     found: Clocks,
     /// Whether all is known that flows with clocks of their own tell.
     is_settled: bool,
+    /// Whether what has a first cycle of its own, and nothing that gives it a clock, starts with the body.
+    has_starts: bool,
 }
 
 /// All cycles.
@@ -110,6 +112,7 @@ impl<'p> Finder<'p> {
             known,
             found,
             is_settled: false,
+            has_starts: false,
         }
     }
 
@@ -120,6 +123,9 @@ impl<'p> Finder<'p> {
         while self.always_ticks() {
             self.until_nothing_changes();
         }
+        // Last, because a clock that is not known yet may still decide when a call or `hold` starts.
+        self.has_starts = true;
+        self.until_nothing_changes();
         self.settle();
         self.found
     }
@@ -240,7 +246,7 @@ impl<'p> Finder<'p> {
             }
             Kind::Merge { on, .. } => self.found.exprs[on.0 as usize][0].clone(),
             // Like a call with state: its first cycle is that of the body.
-            Kind::Each(Each::Hold, _) if self.is_settled && !self.unit.is_lustre => base(),
+            Kind::Each(Each::Hold, _) if self.has_starts && !self.unit.is_lustre => base(),
             Kind::Present(_) | Kind::Each(Each::Coalesce | Each::Hold, _) => None,
             Kind::Call(call) => self.call(id, call, k),
             kind => {

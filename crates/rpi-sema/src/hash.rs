@@ -1,18 +1,18 @@
-//! A fast hash for names and small keys of the compiler: no protection against chosen keys is needed here, and no
-//! result may depend on its order.
+//! Fast hash for names and small keys. Not resistant to collision attacks. No result may depend on its order.
 
 use std::collections::{HashMap, HashSet};
 use std::hash::{BuildHasherDefault, Hasher};
 
-/// A map that is only looked up, never walked.
+/// Hash map for lookups only. It must not be iterated where the order matters.
 pub(crate) type Map<K, V> = HashMap<K, V, BuildHasherDefault<Mix>>;
 
-/// A set that is only asked, never walked.
+/// Hash set for lookups only. It must not be iterated where the order matters.
 pub(crate) type Set<K> = HashSet<K, BuildHasherDefault<Mix>>;
 
-/// Multiply and rotate, eight bytes at a time.
+/// Hasher that multiplies and rotates, eight bytes at a time.
 #[derive(Default)]
 pub(crate) struct Mix(u64);
+// The integer nearest to 2^64 divided by the golden ratio, as in Fibonacci hashing (Knuth, TAOCP vol. 3).
 
 const ODD: u64 = 0x9e37_79b9_7f4a_7c15;
 
@@ -32,6 +32,7 @@ impl Hasher for Mix {
         }
         let rest = words.remainder();
         let tail = rest.iter().fold(0, |tail, &b| tail << 8 | u64::from(b));
+        // The length distinguishes tails that differ only in leading zero bytes.
         self.mix(tail ^ (bytes.len() as u64) << 56);
     }
 

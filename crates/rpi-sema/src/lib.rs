@@ -1,14 +1,14 @@
-//! Names, types, units, frames and presence; elaboration of a program to a net.
+//! Semantic analysis: names, types, units, frames, clocks and presence; elaboration of a program to a net.
 //!
-//! The course of a program through this crate:
+//! Passes, in order:
 //!
-//! 1. [`program`]: the table of declarations, by module and name;
-//! 2. [`check()`]: every callable becomes a [`typed::Unit`];
-//! 3. [`facts`]: by which clock flows tick ([`clocks`]), and which can be absent;
-//! 4. [`elab`]: a unit that is run becomes an [`rpi_net::Net`];
-//! 5. [`init`]: nothing in the net is read before it has a value.
+//! 1. [`program`]: collects the table of declarations, by module and name;
+//! 2. [`check()`]: type-checks every callable to a [`typed::Unit`];
+//! 3. [`facts`]: infers the clocks ([`clocks`]) of flows and which flows can be absent;
+//! 4. [`elab`]: elaborates a unit to be run into an [`rpi_net::Net`];
+//! 5. [`init`]: checks that nothing in the net is read before it is initialised.
 //!
-//! Beside it, [`query`] says what stands where, for editors.
+//! In addition, [`query`] answers editors' questions about names and types at positions in the source.
 //!
 //! This crate must not know files, memory layout or devices.
 

@@ -1,14 +1,15 @@
-//! Which units nothing is wrong with: the later passes look at these, whatever is wrong with others.
+//! Error-free units. Later passes run on these even if other units have errors.
 //!
-//! A unit is not sound if a fault stands in the text of its declaration, if it holds something that stands for a fault,
-//! or if it needs a unit that is not sound. A fault elsewhere, in a type or between declarations, may be about any of them.
+//! A unit is not sound if there is an error inside its declaration, if it contains an error expression or an unknown
+//! type, or if it needs a unit that is not sound. An error elsewhere, in a type or between declarations, may affect any
+//! unit.
 
 use crate::program::Program;
 use crate::typed::{Kind, Unit, UnitId};
 use rpi_diag::{Code, FileId, Finding, Severity, Span};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// For each unit whether it is sound.
+/// Returns for each unit whether it is sound.
 #[must_use]
 pub fn sound(program: &Program<'_>, units: &[Unit], findings: &[Finding]) -> Vec<bool> {
     let errors = findings.iter().filter(|f| f.severity() == Severity::Error);
@@ -30,7 +31,8 @@ pub fn sound(program: &Program<'_>, units: &[Unit], findings: &[Finding]) -> Vec
     without_users(units, units.iter().map(stands).collect())
 }
 
-/// Of a body without end it is not known what stands in it and what behind it: what it lacks is not told as well.
+/// Removes errors about flows that are never defined (RPI1009) in bodies whose end is missing. The definition may be in
+/// the text that was not recognised as part of the body.
 #[must_use]
 pub fn without_lacks_of_open_bodies(
     program: &Program<'_>,
@@ -58,7 +60,7 @@ fn holds_a_fault(unit: &Unit) -> bool {
     exprs.any(|expr| matches!(expr.kind, Kind::Fault)) || flows.any(|flow| flow.ty.has_unknown())
 }
 
-/// Takes away, again and again, what needs something that is not sound.
+/// Marks every unit that needs an unsound unit as unsound, transitively.
 fn without_users(units: &[Unit], mut sound: Vec<bool>) -> Vec<bool> {
     let mut users: Vec<Vec<usize>> = vec![Vec::new(); units.len()];
     for (user, unit) in units.iter().enumerate() {
@@ -75,7 +77,7 @@ fn without_users(units: &[Unit], mut sound: Vec<bool>) -> Vec<bool> {
     sound
 }
 
-/// The units that a unit calls or runs.
+/// Units that a unit calls or runs.
 fn needed_by(unit: &Unit) -> impl Iterator<Item = UnitId> + '_ {
     let calls = unit.exprs.iter().filter_map(|expr| match &expr.kind {
         Kind::Call(call) => Some(call.unit),
@@ -84,7 +86,7 @@ fn needed_by(unit: &Unit) -> impl Iterator<Item = UnitId> + '_ {
     calls.chain(unit.steps.iter().map(|step| step.unit))
 }
 
-/// Texts of declarations, which do not overlap: by file, in ascending order.
+/// Spans of declarations, which do not overlap: by file, in ascending order.
 struct Extents(BTreeMap<FileId, Vec<Span>>);
 
 impl Extents {
@@ -101,7 +103,7 @@ impl Extents {
         Extents(all)
     }
 
-    /// The declaration in whose text a place lies.
+    /// Returns the declaration that contains a span.
     fn around(&self, place: Span) -> Option<Span> {
         let spans = self.0.get(&place.file)?;
         let after = spans.partition_point(|span| span.start <= place.start);

@@ -1,14 +1,14 @@
-//! What the checker established about a unit, in words: for whoever asks what was looked at and found to be right.
+//! Summary of the checker's results for a unit, for users who ask what was checked.
 
 use crate::ty::Ty;
 use crate::typed::{BlockId, Expr, ExprId, Kind, Unit, UnitId, UnitKind};
 use rpi_syntax::ast::EndKind;
 use std::collections::BTreeSet;
 
-/// Primitives that divide integers.
+/// Primitives for integer division.
 const DIVISIONS: [&str; 2] = ["Core::IntDivide", "Rpi::IntModulo"];
 
-/// The checker's analyses of a unit and all that it calls, each with a line.
+/// Returns one line per analysis, by its name, for a unit and all units that it calls.
 #[must_use]
 pub fn told(units: &[Unit], id: UnitId) -> Vec<(&'static str, String)> {
     if units[id.0 as usize].kind == UnitKind::Task {
@@ -24,7 +24,7 @@ pub fn told(units: &[Unit], id: UnitId) -> Vec<(&'static str, String)> {
     ]
 }
 
-/// What was established of a task.
+/// Returns the summary of a task.
 fn task(units: &[Unit], task: &Unit) -> Vec<(&'static str, String)> {
     let run = task.steps.iter().map(|step| &units[step.unit.0 as usize]);
     let commands: Vec<&Unit> = run.filter(|unit| unit.kind == UnitKind::Command).collect();
@@ -37,23 +37,23 @@ fn task(units: &[Unit], task: &Unit) -> Vec<(&'static str, String)> {
     vec![
         (
             "arguments",
-            format!("{steps} steps are given what they take"),
+            format!("the arguments of {steps} steps match their parameters"),
         ),
         (
             "branches",
             format!(
-                "{run} steps run commands, which end in {} ways: each leads somewhere",
+                "{run} steps run commands with {} results; each result has a branch",
                 finish + give + fail
             ),
         ),
         (
             "takeover",
-            format!("{give} times a command may leave a device moving: who follows drives it"),
+            format!("{give} results may leave a device in motion; the next command takes it over"),
         ),
     ]
 }
 
-/// A unit and what it calls, each once.
+/// Returns a unit and the units that it calls, transitively.
 fn reached(units: &[Unit], id: UnitId) -> BTreeSet<UnitId> {
     let (mut seen, mut open) = (BTreeSet::new(), vec![id]);
     while let Some(id) = open.pop() {
@@ -81,7 +81,7 @@ fn dimensions(units: &[&Unit]) -> String {
             reals += 1;
             if !dim.is_plain() {
                 with_unit += 1;
-                // Neighbours mostly have the same.
+                // Successive expressions often have the same dimension.
                 if last.replace(*dim) != Some(*dim) {
                     known.insert(*dim);
                 }
@@ -115,9 +115,7 @@ fn clocks(units: &[&Unit]) -> String {
         .fold((0, 0), |a, b| (a.0 + b.0, a.1 + b.1));
     match flows + sampled {
         0 => "no flow is sampled".to_owned(),
-        _ => format!(
-            "{flows} flows declared on a clock, {sampled} samplings; each meets its own clock"
-        ),
+        _ => format!("{flows} flows declared on a clock, {sampled} samplings; no clock mismatch"),
     }
 }
 
@@ -133,7 +131,7 @@ fn bounds(units: &[&Unit]) -> String {
             _ => {}
         }
     }
-    format!("{fixed} places in arrays are constant and inside, {computed} are computed and watched")
+    format!("{fixed} array indices are constant and in bounds, {computed} are checked at run time")
 }
 
 fn divisions(units: &[&Unit]) -> String {
@@ -152,5 +150,5 @@ fn divisions(units: &[&Unit]) -> String {
             _ => computed += 1,
         }
     }
-    format!("{constant} integer divisions by a constant that is not 0, {computed} watched")
+    format!("{constant} integer divisions by a non-zero constant, {computed} checked at run time")
 }

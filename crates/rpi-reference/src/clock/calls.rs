@@ -22,8 +22,9 @@ impl<'p> Finder<'p> {
         let port = self.port(call, callee, k).filter(|port| !port.is_empty());
         // A callee with state that no argument gives a clock has its first cycle where the caller has it, as if its result
         // had a name. In Lustre such a call has the clock of what reads it.
-        let has_own_start = callee.has_state && !self.unit.is_lustre;
-        if (port.is_some() || has_own_start) && runs.is_none() && self.is_settled {
+        let has_own_start = self.has_starts && callee.has_state && !self.unit.is_lustre;
+        let is_needed = port.is_some() && self.is_settled;
+        if (is_needed || has_own_start) && runs.is_none() {
             runs = base();
         }
         self.found.calls[id.0 as usize].clone_from(&runs);

@@ -1,4 +1,4 @@
-//! Parts of values: fields, elements, slices, ports of devices.
+//! Access to parts of values: fields, array elements, slices, and ports of devices.
 
 use super::body::Body;
 use super::locals::Local;
@@ -13,14 +13,17 @@ use rpi_syntax::Name;
 use rpi_syntax::ast::{self, Access, ExprKind, Field, Ident, Index, Slice, SliceOf};
 use std::rc::Rc;
 
-/// A range of an array's elements that is known when the program is checked.
+/// Slice of an array with bounds that are known at compile time.
 struct Range {
+    /// Index of the first element.
     from: u32,
+    /// Distance between two elements; negative in a descending slice.
     step: i32,
+    /// Number of elements.
     len: u32,
 }
 
-/// What a reader calls a value of this type: outputs of a call are known by their names, not by a type.
+/// Returns the name of a value in messages: its type, or "this call" for the outputs of a call.
 fn owner(ty: &Ty) -> String {
     match ty {
         Ty::Tuple(_) => "this call".to_owned(),
@@ -28,7 +31,7 @@ fn owner(ty: &Ty) -> String {
     }
 }
 
-/// The ports of a device in words: its actuators, or its sensors.
+/// Returns the names of a device's actuator ports or of its sensor ports, for messages.
 fn ports(device: &DeviceTy, actuators: bool) -> String {
     let ports = device
         .ports
@@ -37,7 +40,7 @@ fn ports(device: &DeviceTy, actuators: bool) -> String {
     listed(ports.map(|port| port.name.as_str()))
 }
 
-/// That a value of a type has no part of this name, and which parts it has.
+/// Returns the diagnostic for an unknown field or output, with the list of the existing ones.
 pub(super) fn no_part(ty: &Ty, of: &str, field: &Ident) -> Finding {
     let near = rpi_diag::suggest(&field.name, names_of(ty.members()));
     let finding = no_member(of, &field.name, field.span, near);
@@ -53,13 +56,13 @@ pub(super) fn no_part(ty: &Ty, of: &str, field: &Ident) -> Finding {
     }
 }
 
-/// The names of the parts of a value.
+/// Returns the names of the named members.
 pub(super) fn names_of(parts: &[Member]) -> impl Iterator<Item = &str> {
     parts.iter().filter_map(|member| member.name.as_deref())
 }
 
 impl<'a> Body<'_, 'a> {
-    /// `base.field`
+    /// Checks `base.field`.
     pub(super) fn field(&mut self, field: &'a Field, span: Span) -> ExprId {
         if let Some(block) = self.block_of(&field.base) {
             return self.flow_of_block(block, &field.field, span);
@@ -78,7 +81,7 @@ impl<'a> Body<'_, 'a> {
         self.member(base, &field.field)
     }
 
-    /// `Mode.Moving`: the values of an enum are names by themselves.
+    /// Reports `Mode.Moving`: an enum value is written without its type. Returns `None` if `name` is not an enum.
     fn value_of_enum(&mut self, name: &Name, field: &Field) -> Option<ExprId> {
         let Lookup::Found(id) = self.c.program.lookup(self.module, name) else {
             return None;
@@ -100,17 +103,15 @@ impl<'a> Body<'_, 'a> {
         }
         let finding = Finding::new(
             Code::RPI1003,
-            format!("`{}` is a name by itself", value.name),
+            format!("`{}` must be written without its type", value.name),
         )
-        .at(
-            field.base.span,
-            format!("`{name}` is a type, which has no parts"),
-        )
+        .at(field.base.span, format!("`{name}` is an enum type"))
         .fix(Fix::sure(format!("write `{}`", value.name)).replace(whole, value.name.as_str()));
         Some(self.fault_with(finding, whole))
     }
 
-    /// `Mode::Moving`
+    /// Reports `Mode::Moving`: an enum value is written without its type. Returns `None` if the path does not start
+    /// with an enum.
     pub(super) fn value_by_path(&mut self, name: &Name, span: Span) -> Option<ExprId> {
         let (of, value) = name.rsplit_once("::")?;
         let Lookup::Found(id) = self.c.program.lookup(self.module, &of.into()) else {
@@ -127,13 +128,16 @@ impl<'a> Body<'_, 'a> {
             let finding = no_member(&format!("the enum `{of}`"), value, span, near);
             return Some(self.fault_with(finding, span));
         }
-        let finding = Finding::new(Code::RPI1003, format!("`{value}` is a name by itself"))
-            .at(span, format!("`{of}` is a type, which has no parts"))
-            .fix(Fix::sure(format!("write `{value}`")).replace(span, value));
+        let finding = Finding::new(
+            Code::RPI1003,
+            format!("`{value}` must be written without its type"),
+        )
+        .at(span, format!("`{of}` is an enum type"))
+        .fix(Fix::sure(format!("write `{value}`")).replace(span, value));
         Some(self.fault_with(finding, span))
     }
 
-    /// The fragment in place that `inner` or `outer.inner` names.
+    /// Returns the block of the inline fragment or state that `inner` or `outer.inner` names.
     fn block_of(&self, expr: &ast::Expr) -> Option<BlockId> {
         let local = match (plain_name(expr), &expr.kind) {
             (Some(name), _) => self.find_local(name),
@@ -149,7 +153,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// A flow of a fragment in place, read from outside.
+    /// Reads a flow of an inline fragment or state from outside of it.
     pub(super) fn flow_of_block(&mut self, block: BlockId, field: &Ident, span: Span) -> ExprId {
         match self.find_in(block, &field.name) {
             Some(Local::Flow(flow)) => self.flow_expr(flow, span),
@@ -168,7 +172,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// A part of a value by name.
+    /// Checks access to a member of a value by name: a field, an output, or a sensor port.
     pub(super) fn member(&mut self, base: ExprId, field: &Ident) -> ExprId {
         let span = self.span_of(base).merge(field.span);
         match self.ty_of(base).clone() {
@@ -200,9 +204,9 @@ impl<'a> Body<'_, 'a> {
                 Code::RPI6001,
                 format!("`{}` is an actuator port", field.name),
             )
-            .at(field.span, "it is written, not read")
+            .at(field.span, "an actuator port cannot be read")
             .help(format!(
-                "what was last commanded, and what is measured, is read from its sensors: {}",
+                "read measured values and the last set-point from its sensor ports: {}",
                 ports(device, false)
             ));
             return self.fault_with(finding, span);
@@ -214,7 +218,8 @@ impl<'a> Body<'_, 'a> {
         self.add(Kind::Sensor { device: base, port }, ty, span)
     }
 
-    /// The type of a device's port, its frames being those of this very device.
+    /// Returns the type of a device's port, with the frames of this device. Reports a size that depends on a parameter
+    /// without a value.
     fn port_type(
         &mut self,
         base: ExprId,
@@ -225,13 +230,16 @@ impl<'a> Body<'_, 'a> {
         let Some(ty) = &port.ty else {
             let finding = Finding::new(
                 Code::RPI2008,
-                format!("the size of `{}` is not known here", port.name),
+                format!("cannot infer the size of `{}`", port.name),
             )
             .at(
                 span,
                 format!("it depends on a parameter of `{}`", device.name),
             )
-            .help(format!("name it in the type: `{}<<7>>`", device.name));
+            .help(format!(
+                "give the parameter in the type: `{}<<7>>`",
+                device.name
+            ));
             self.report(finding);
             return None;
         };
@@ -241,7 +249,8 @@ impl<'a> Body<'_, 'a> {
         Some(ty.substituted(&self.frames_of(device, flow)))
     }
 
-    /// The frames of a device under the name that it has here.
+    /// Returns the substitution of the frames of a device type by those of the device that `flow` holds: `tcp` becomes
+    /// `arm.tcp`.
     pub(super) fn frames_of(&self, device: &DeviceTy, flow: FlowId) -> Subst {
         let name = &self.unit.flow(flow).name;
         let frame =
@@ -252,7 +261,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// What `arm.tcp = ...` defines.
+    /// Returns the actuator port that the target `arm.tcp` defines, and its type.
     pub(super) fn actuator(
         &mut self,
         flow: FlowId,
@@ -261,10 +270,12 @@ impl<'a> Body<'_, 'a> {
     ) -> (Place, Ty) {
         let nowhere = (Place::Nowhere, Ty::Unknown);
         let [Access::Field(field)] = &target.path[..] else {
-            let finding =
-                Finding::new(Code::RPI1003, format!("`{}` is a device", target.name.name))
-                    .at(target.span, "what is defined is one of its actuator ports")
-                    .help(format!("write `{}.port = ...;`", target.name.name));
+            let finding = Finding::new(
+                Code::RPI1003,
+                format!("cannot define the device `{}`", target.name.name),
+            )
+            .at(target.span, "only its actuator ports can be defined")
+            .help(format!("write `{}.port = ...;`", target.name.name));
             self.report(finding);
             return nowhere;
         };
@@ -279,8 +290,8 @@ impl<'a> Body<'_, 'a> {
             let finding = match device.port(&field.name) {
                 Some(_) => {
                     Finding::new(Code::RPI6001, format!("`{}` is a sensor port", field.name))
-                        .at(field.span, "it is read, not written")
-                        .help(format!("set-points go to {}", ports(device, true)))
+                        .at(field.span, "a sensor port cannot be defined")
+                        .help(format!("write set-points to {}", ports(device, true)))
                 }
                 None => no_member(&of, &field.name, field.span, near),
             };
@@ -300,7 +311,7 @@ impl<'a> Body<'_, 'a> {
         )
     }
 
-    /// `base[index]`
+    /// Checks `base[index]`.
     pub(super) fn index(&mut self, index: &'a Index, span: Span) -> ExprId {
         let base = self.expr(&index.base);
         if self.is_meant_as_unit(base, &index.index) {
@@ -314,7 +325,7 @@ impl<'a> Body<'_, 'a> {
         self.expect(
             at,
             &Ty::Int,
-            &Wanted::By(Span::NONE, "an index is an integer".into()),
+            &Wanted::By(Span::NONE, "an index must be an integer".into()),
         );
         if let Ty::Tuple(members) = self.ty_of(base).clone()
             && !self.is_rpi()
@@ -337,7 +348,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// `t[0]` of a tuple of Kind 2: which element must be known, for each has a type of its own.
+    /// Checks `t[0]` of a Kind 2 tuple. The index must be constant, as each element has a type of its own.
     fn element_of_tuple(
         &mut self,
         base: ExprId,
@@ -358,6 +369,7 @@ impl<'a> Body<'_, 'a> {
         self.add(Kind::Part { base, at: from }, ty, span)
     }
 
+    /// Returns the value of an integer expression if it is known at compile time.
     pub(super) fn known_int(&mut self, id: ExprId) -> Option<i64> {
         match &self.unit.expr(id).kind {
             Kind::Literal(value) => value.as_int(),
@@ -366,7 +378,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// The key that a value of a map of Kind 2 is looked up by has the type of its keys.
+    /// Reports a key whose type is not the key type of the Kind 2 map.
     fn key_of_map(&mut self, base: ExprId, at: ExprId) {
         let found = self.ty_of(at).clone();
         let Ty::Struct(map) = self.ty_of(base) else {
@@ -378,27 +390,28 @@ impl<'a> Body<'_, 'a> {
             let message = format!("expected `{wanted}`, found `{found}`");
             let finding = Finding::new(Code::RPI2001, message)
                 .at(self.span_of(at), format!("this is `{found}`"))
-                .also(self.span_of(base), "the map looked into");
+                .also(self.span_of(base), "the map");
             self.report(finding);
         }
     }
 
     fn not_an_array(&mut self, base: ExprId, span: Span) -> ExprId {
         let ty = self.ty_of(base).clone();
-        // What a map of Kind 2 holds is of no interest: the map has been told.
+        // No error for the element of a Kind 2 map: the map itself has been reported as not executable.
         if ty.is_unknown() || is_foreign(&ty, &["map<"]) {
             return self.fault(span);
         }
-        let finding = Finding::new(Code::RPI2006, "only an array has elements")
+        let finding = Finding::new(Code::RPI2006, "only arrays can be indexed")
             .at(self.span_of(base), format!("this is `{ty}`"))
-            .help("the value of the cycle before is `pre x`, with a first value `0 -> pre x`");
+            .help("the value of the previous cycle is `pre x`, with an initial value `0 -> pre x`");
         self.fault_with(finding, span)
     }
 
+    /// Returns an array index as `u32`; reports an index that is out of bounds.
     pub(super) fn in_bounds(&mut self, k: i64, n: u32, span: Span) -> Option<u32> {
         let index = u32::try_from(k).ok().filter(|k| *k < n);
         if index.is_none() {
-            let finding = Finding::new(Code::RPI2009, format!("there is no element {k}")).at(
+            let finding = Finding::new(Code::RPI2009, format!("index {k} is out of bounds")).at(
                 span,
                 format!(
                     "the array has {}, counted from 0",
@@ -410,7 +423,7 @@ impl<'a> Body<'_, 'a> {
         index
     }
 
-    /// `base[from..to step s]`
+    /// Checks `base[from..to step s]`.
     pub(super) fn slice(&mut self, slice: &'a SliceOf, span: Span) -> ExprId {
         let base = self.expr(&slice.base);
         let Ty::Array(element, n) = self.ty_of(base).clone() else {
@@ -437,7 +450,7 @@ impl<'a> Body<'_, 'a> {
         let distance = i64::from(last) - i64::from(first);
         if step == 0 || (distance != 0 && distance.signum() != step.signum()) {
             let finding = Finding::new(Code::RPI2009, "the slice never reaches its end")
-                .at(span, format!("from {from} to {to} by steps of {step}"));
+                .at(span, format!("from {from} to {to} in steps of {step}"));
             self.report(finding);
             return None;
         }
@@ -448,7 +461,8 @@ impl<'a> Body<'_, 'a> {
         })
     }
 
-    /// Follows a path of fields, elements and slices into a value that is defined or replaced in part.
+    /// Returns the first leaf and the type of the part that a path of fields, elements and slices selects in a value of
+    /// type `ty` that starts at leaf `at`.
     pub(super) fn path_in(&mut self, ty: &Ty, at: u32, path: &'a [Access]) -> Option<(u32, Ty)> {
         let Some((first, rest)) = path.split_first() else {
             return Some((at, ty.clone()));
@@ -470,6 +484,7 @@ impl<'a> Body<'_, 'a> {
         self.path_in(&inner, at + offset, rest)
     }
 
+    /// Returns the first leaf and the type of a field; reports an unknown field.
     pub(super) fn field_in(&mut self, ty: &Ty, field: &Ident) -> Option<(u32, Ty)> {
         let found = member_of(ty, &field.name);
         if found.is_none() {
@@ -487,7 +502,7 @@ impl<'a> Body<'_, 'a> {
         if range.step != 1 {
             let finding = Finding::new(
                 Code::RPI2009,
-                "only neighbouring elements can be defined together",
+                "only adjacent elements can be defined together",
             )
             .at(span, format!("a step of {}", range.step));
             self.report(finding);
@@ -500,14 +515,14 @@ impl<'a> Body<'_, 'a> {
     }
 
     fn no_elements(&mut self, ty: &Ty, span: Span) -> Option<(u32, Ty)> {
-        let finding = Finding::new(Code::RPI2006, "only an array has elements")
-            .at(span, format!("this is an element of `{ty}`"));
+        let finding = Finding::new(Code::RPI2006, "only arrays can be indexed")
+            .at(span, format!("this indexes `{ty}`"));
         self.report(finding);
         None
     }
 }
 
-/// The first of the types between `map<` and `>`.
+/// Returns the first of the types between `map<` and `>`. Commas inside brackets belong to a type.
 fn key_type(args: &str) -> &str {
     let mut depth = 0;
     let end = args.find(|c| {
@@ -521,12 +536,12 @@ fn key_type(args: &str) -> &str {
     end.map_or(args, |end| &args[..end])
 }
 
-/// Number of leaves, as an offset.
+/// Returns the number of leaves of a type, saturating, for use as an offset.
 pub(super) fn leaves(ty: &Ty) -> u32 {
     u32::try_from(ty.leaf_count()).unwrap_or(u32::MAX)
 }
 
-/// First leaf and type of a member.
+/// Returns the first leaf and the type of the member with this name.
 pub(super) fn member_of(ty: &Ty, name: &str) -> Option<(u32, Ty)> {
     let members = ty.members();
     let index = members

@@ -1,5 +1,5 @@
-//! Another name for a callable, `node f = g<<3>>;`, as a unit of its own: it is run by itself, or named where a unit is
-//! needed. Calls of it are calls of what it stands for.
+//! Aliases of callables, `node f = g<<3>>;`. An alias is also a unit of its own, so that it can be run or named where a
+//! unit is needed. A call of an alias is a call of its target.
 
 use super::Checker;
 use super::args::Given;
@@ -16,16 +16,17 @@ use rpi_syntax::Name;
 use rpi_syntax::ast::{Callee, Ident};
 use std::rc::Rc;
 
-/// The ports of something to call.
+/// Ports of a callable.
 pub(super) struct Ports {
     pub(super) inputs: Vec<Named>,
     pub(super) outputs: Vec<Named>,
 }
 
-/// A port by name and type.
+/// Port of a callable, without its role and default.
 pub(super) struct Named {
     pub(super) name: Name,
     pub(super) ty: Ty,
+    /// Port that decides the clock, and the value for which this port is present.
     clock: Option<(Name, u32)>,
     optional: bool,
     span: Span,
@@ -56,7 +57,8 @@ impl From<&Port> for Named {
 }
 
 impl Checker<'_> {
-    /// The ports of a callable that lacks static arguments; none if it needs them.
+    /// Returns the header of a callable although the static arguments `open` are missing. Returns `None` if the ports
+    /// or the body depend on these arguments.
     pub(super) fn header_without(
         &mut self,
         id: DeclId,
@@ -81,7 +83,8 @@ impl Checker<'_> {
         unread.then(|| header.clone())
     }
 
-    /// Whether a name stands for itself, through others; each such ring is reported once.
+    /// Whether an alias is defined by itself, directly or through other aliases. Each such dependency cycle is reported
+    /// once.
     pub(super) fn is_ring_of_names(&mut self, id: DeclId) -> bool {
         if self.ringed.contains(&id) {
             return true;
@@ -96,7 +99,7 @@ impl Checker<'_> {
 }
 
 impl<'a> Body<'_, 'a> {
-    /// The ports of what the name stands for, as far as nothing fixes them.
+    /// Declares the ports of the alias: those of its target that no static argument fixes.
     pub(super) fn alias_ports(&mut self, callee: &'a Callee) {
         let callable = self.callable(&callee.name.name, &callee.statics, callee.span);
         let ports = callable.and_then(|callable| self.ports_of(&callable, callee.span));
@@ -126,7 +129,7 @@ impl<'a> Body<'_, 'a> {
         self.declare_flow(&name, &ty, role)
     }
 
-    /// The ports, now declared, are sampled by one another as theirs are.
+    /// Gives the declared flows the clocks of the target's ports.
     fn clocks_like(&mut self, ports: &Ports) {
         let flows = self.unit.inputs.iter().chain(&self.unit.outputs);
         let flows: Vec<FlowId> = flows.copied().collect();
@@ -146,7 +149,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// The ports of something to call; none where they depend on what it is called with.
+    /// Returns the ports of a callable; `None` if they depend on the arguments of the call.
     pub(super) fn ports_of(&mut self, callable: &Callable, span: Span) -> Option<Ports> {
         match callable {
             Callable::Unit(id, statics, fixed) => self.ports_of_unit(*id, statics, fixed, span),
@@ -193,7 +196,7 @@ impl<'a> Body<'_, 'a> {
             params.any(|param| matches!(param, Param::Type(..)) && param.name().name == *name)
         };
         if open.iter().any(is_type) {
-            // A call will tell.
+            // The types are inferred from the arguments of a call.
             return None;
         }
         let header = self.c.header_without(id, Rc::new(statics), &open, span);
@@ -215,7 +218,7 @@ impl<'a> Body<'_, 'a> {
         })
     }
 
-    /// One call, from all in-ports to all out-ports.
+    /// Checks the body of an alias: one call of the target that connects all in-ports and out-ports.
     pub(super) fn check_alias(&mut self, callee: &'a Callee) {
         let span = callee.span;
         let callable = self.callable(&callee.name.name, &callee.statics, span);

@@ -1,4 +1,4 @@
-//! Operands that no operator takes: what would mend them.
+//! Help texts and fixes for operands that an operator does not accept.
 
 use super::body::Body;
 use super::quantity;
@@ -13,7 +13,7 @@ use rpi_syntax::ops::BinaryOp::{
 };
 
 impl Body<'_, '_> {
-    /// Adds what may mend two operands that no operator takes.
+    /// Adds help or a fix to the diagnostic about two operands that the operator does not accept.
     pub(super) fn operands_apart(
         &self,
         finding: Finding,
@@ -35,7 +35,7 @@ impl Body<'_, '_> {
             (Ty::Tuple(members), _) | (_, Ty::Tuple(members)) => {
                 let names = members.iter().filter_map(|m| m.name.as_deref());
                 finding.help(format!(
-                    "a call with several outputs gives one by its name: {}",
+                    "select one output of the call by its name: {}",
                     listed(names)
                 ))
             }
@@ -47,30 +47,31 @@ impl Body<'_, '_> {
                     ..*of
                 }
                 .conversion();
-                finding.help(format!("the number of places has no sign: `({to} n)`"))
+                finding.help(format!("the shift count must be unsigned: `({to} n)`"))
             }
             (Ty::Machine(of), Ty::Machine(_)) => {
                 finding.help(format!("convert one of them: `({} x)`", of.conversion()))
             }
             (Ty::Bool, _) | (_, Ty::Bool) => {
-                finding.help("a number by a condition is `if c then 1 else 0`")
+                finding.help("convert a Boolean to a number by `if c then 1 else 0`")
             }
             (Ty::Array(..), _) | (_, Ty::Array(..)) => finding.help(element_by_element(op, a, b)),
             (Ty::Spatial(Pose, _), Ty::Spatial(Pose, _)) => finding
-                .help("poses are composed by `*`: `(b in a) * (c in b)` is the pose of `c` in `a`"),
+                .help("compose poses by `*`: `(b in a) * (c in b)` is the pose of `c` in `a`"),
             (Ty::Spatial(Vector, _), Ty::Real(_)) | (Ty::Real(_), Ty::Spatial(Vector, _)) => {
                 finding.help(
-                    "a vector is added to a vector: `point(x, y, z)`; a number scales it by `*`",
+                    "add a vector: `point(x, y, z)`; or scale the vector by a number with `*`",
                 )
             }
             _ => finding,
         }
     }
 
-    /// An integer beside a real: with the unit that may be meant, or as a real.
+    /// Adds a fix for an integer operand beside a real one: a unit for a literal beside a quantity, else a conversion
+    /// to real.
     fn made_real(&self, finding: Finding, op: BinaryOp, int: ExprId, dim: Dim) -> Finding {
         match op {
-            // The grouping of powers is another one elsewhere.
+            // Not applied automatically: other languages group `a ** b ** c` differently.
             Pow => finding.fix(self.as_real(int).doubted()),
             Mul | Div => finding.fix(self.as_real(int)),
             _ if self.is_number(int) && dim != Dim::ONE => {
@@ -81,15 +82,15 @@ impl Body<'_, '_> {
     }
 }
 
-/// How an operator that takes no arrays goes over them.
+/// Returns the help text for applying a scalar operator to the elements of arrays.
 fn element_by_element(op: BinaryOp, a: &Ty, b: &Ty) -> String {
     let op = op.spelling();
     match (a, b) {
         (Ty::Array(_, n), Ty::Array(_, m)) if n == m => {
-            format!("element by element it is `map<<{op}, {n}>>(a, b)`")
+            format!("apply it to each element: `map<<{op}, {n}>>(a, b)`")
         }
         (Ty::Array(_, n), _) | (_, Ty::Array(_, n)) => format!(
-            "`x^{n}` is an array of {n} times `x`; element by element `map<<{op}, {n}>>(a, b)` computes"
+            "apply it to each element: `map<<{op}, {n}>>(a, b)`; `x^{n}` is an array of {n} times `x`"
         ),
         _ => String::new(),
     }

@@ -1,5 +1,5 @@
-//! Operators that are called as nodes are: `map<<+, n>>`, `Lustre::iplus(a, b)`; and static parameters that are nodes,
-//! before any is given.
+//! Operators called like nodes, `map<<+, n>>` and `Lustre::iplus(a, b)`, and calls of node parameters inside a generic
+//! declaration.
 
 use super::args::Given;
 use super::body::Body;
@@ -14,6 +14,7 @@ use rpi_syntax::ops::{BinaryOp, UnaryOp};
 use std::rc::Rc;
 
 impl<'a> Body<'_, 'a> {
+    /// Calls an operator by its name.
     pub(super) fn apply_predef(
         &mut self,
         predef: &Predef,
@@ -32,6 +33,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
+    /// Calls an operator with operands that have been checked.
     pub(super) fn apply_op(&mut self, op: StaticOp, given: &[Given<'a>], span: Span) -> ExprId {
         let given = self.spread_tuples(given.to_vec());
         let values: Vec<ExprId> = given.iter().map(|arg| arg.value).collect();
@@ -45,7 +47,8 @@ impl<'a> Body<'_, 'a> {
             (StaticOp::Unary(op), [a]) => self.unary_prim(op, *a, span),
             (StaticOp::If, [c, a, b]) => {
                 self.expect(*c, &Ty::Bool, &super::report::Wanted::Here);
-                let ty = self.common_type(*a, *b, "both branches of an `if` have one type");
+                let ty =
+                    self.common_type(*a, *b, "both branches of an `if` must have the same type");
                 self.add(Kind::Each(typed::Each::If, [*c, *a, *b].into()), ty, span)
             }
             _ => {
@@ -63,7 +66,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// A call of a node that nobody has given yet: the arguments must fit its ports, and more is not known.
+    /// Checks a call of a node parameter without a value: only the types of the arguments can be checked.
     pub(super) fn apply_open(
         &mut self,
         header: &Rc<Header>,
@@ -88,7 +91,7 @@ impl<'a> Body<'_, 'a> {
             }
             _ => return self.binary_prim(op, a, b, span),
         };
-        let ty = self.common_type(a, b, "both sides have one type");
+        let ty = self.common_type(a, b, "both sides must have the same type");
         self.add(Kind::Each(each, [a, b].into()), ty, span)
     }
 }

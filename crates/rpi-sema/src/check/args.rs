@@ -1,4 +1,4 @@
-//! Arguments of a call, matched with ports.
+//! Arguments of a call and their assignment to ports.
 
 use super::body::Body;
 use super::header::{Header, Port};
@@ -14,19 +14,19 @@ use rpi_syntax::ast::{Arg, Expr, ExprKind, Ident};
 use rpi_syntax::ops::BinaryOp;
 use std::rc::Rc;
 
-/// An argument that has been checked.
+/// Checked argument of a call.
 #[derive(Clone, Copy)]
 pub(super) struct Given<'a> {
-    /// The port it is for, if named.
+    /// Name of the port, if the argument is named.
     pub(super) name: Option<&'a Ident>,
-    /// The value.
+    /// Value of the argument.
     pub(super) value: ExprId,
-    /// Whether it stood between `<<` and `>>`, where everything is fixed when the command is loaded.
+    /// Whether the argument is in `<<...>>`, where it must be fixed when the command is loaded.
     pub(super) is_static: bool,
 }
 
 impl<'a> Given<'a> {
-    /// An argument by place.
+    /// Creates a positional argument.
     pub(super) fn plain(value: ExprId) -> Given<'a> {
         Given {
             name: None,
@@ -37,7 +37,7 @@ impl<'a> Given<'a> {
 }
 
 impl<'a> Body<'_, 'a> {
-    /// Checks the arguments of a call.
+    /// Checks the arguments of a call without comparing them with ports.
     pub(super) fn given(&mut self, args: &'a [Arg]) -> Vec<Given<'a>> {
         args.iter().map(|arg| self.given_one(arg)).collect()
     }
@@ -51,7 +51,8 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// Checks the arguments of a call of a declaration; false if one is named by `=`, which has then been reported.
+    /// Checks the arguments of a call of a declaration. Returns `false` if an argument is named by `=` instead of `:`,
+    /// which has then been reported.
     pub(super) fn given_to(&mut self, id: DeclId, args: &[&'a Arg]) -> (Vec<Given<'a>>, bool) {
         let told = self.findings.len();
         let named = args.iter().filter(|arg| arg.name.is_none());
@@ -63,7 +64,7 @@ impl<'a> Body<'_, 'a> {
         (args.iter().map(|arg| self.given_one(arg)).collect(), true)
     }
 
-    /// Makes one finding of those about arguments named by `=` that have been reported since `told`.
+    /// Merges the diagnostics about arguments named by `=` that were added since there were `told` diagnostics.
     fn one_of_call(&mut self, told: usize) {
         let by_eq = |finding: &Finding| finding.code == Code::RPI1010;
         let mut others = self.findings.split_off(told).into_iter();
@@ -86,7 +87,7 @@ impl<'a> Body<'_, 'a> {
         self.findings.extend(rest);
     }
 
-    /// Whether `x = e` names the argument `x`; reported if so.
+    /// Whether the expression is `x = e` where `x` is meant as the name of an argument; reported if so.
     pub(super) fn named_by_eq(&mut self, id: DeclId, value: &'a Expr) -> bool {
         let ExprKind::Binary(binary) = &value.kind else {
             return false;
@@ -105,17 +106,20 @@ impl<'a> Body<'_, 'a> {
         };
         let finding = Finding::new(
             Code::RPI1010,
-            format!("the argument `{name}` is named by `:`"),
+            format!("expected `:` after the argument name `{name}`"),
         )
-        .at(between, format!("`{}` compares", binary.op.spelling()))
-        // Beside it another may be named so and compare flows.
+        .at(
+            between,
+            format!("`{}` is a comparison", binary.op.spelling()),
+        )
+        // Not applied automatically: another argument of the call may really be a comparison of flows.
         .fix(Fix::maybe(format!("write `{name}: ...`")).replace(between, ": "));
         self.report(finding);
         self.expr(&binary.rhs);
         true
     }
 
-    /// Tuples among arguments by place are taken apart: `f(g(x))` where `g` gives two values.
+    /// Replaces positional arguments that are tuples by their elements: `f(g(x))` where `g` has two outputs.
     pub(super) fn spread_tuples(&mut self, given: Vec<Given<'a>>) -> Vec<Given<'a>> {
         let mut all = Vec::with_capacity(given.len());
         for arg in given {
@@ -130,7 +134,7 @@ impl<'a> Body<'_, 'a> {
         all
     }
 
-    /// Tuples among arguments by place are taken apart as far as the ports want no tuples.
+    /// Replaces positional arguments that are tuples by their elements, except where the port takes a tuple.
     fn spread_for(&mut self, header: &Header, given: &[Given<'a>]) -> Vec<Given<'a>> {
         let is_tuple = |arg: &Given<'_>| matches!(self.ty_of(arg.value), Ty::Tuple(_));
         let (named, placed): (Vec<Given<'a>>, Vec<Given<'a>>) =
@@ -157,19 +161,21 @@ impl<'a> Body<'_, 'a> {
             .collect()
     }
 
+    /// Adds an expression for a part of a tuple.
     fn piece(&mut self, base: ExprId, piece: Piece) -> ExprId {
         let span = self.span_of(base);
         let at = piece.at;
         self.add(Kind::Part { base, at }, piece.ty, span)
     }
 
-    /// The elements of a tuple as expressions.
+    /// Returns the elements of a tuple as expressions.
     pub(super) fn parts_of(&mut self, base: ExprId) -> Vec<ExprId> {
         let pieces = spread::all(self.ty_of(base)).into_iter();
         pieces.map(|piece| self.piece(base, piece)).collect()
     }
 
-    /// For each port of a callable the argument that is for it.
+    /// Returns the argument of each in-port of a callable. Reports unknown, missing and excess arguments and returns
+    /// `None` if there are any.
     pub(super) fn match_ports(
         &mut self,
         header: &Rc<Header>,
@@ -190,10 +196,12 @@ impl<'a> Body<'_, 'a> {
                 None => self.no_port(header, arg, given),
             };
         }
-        // What was given under a wrong name is not missing as well.
+        // An argument with a misspelt name is not reported as missing as well.
         (sound && self.all_given(header, &args, span)).then_some(args)
     }
 
+    /// Assigns an argument to port `k`. Reports a second argument for the port and an argument that must be fixed at
+    /// load time but is not.
     fn give(
         &mut self,
         header: &Header,
@@ -212,7 +220,7 @@ impl<'a> Body<'_, 'a> {
         if arg.is_static && !self.is_fixed(arg.value) {
             let finding = Finding::new(
                 Code::RPI2008,
-                format!("`{}` is given as a parameter", port.name),
+                format!("`{}` must be fixed when the command is loaded", port.name),
             )
             .at(
                 self.span_of(arg.value),
@@ -220,12 +228,12 @@ impl<'a> Body<'_, 'a> {
             )
             .help(match port.role {
                 FlowRole::Param => format!(
-                    "what stands in `<<...>>` is fixed when the command is loaded; declared as an in-port of `{}`, `{}` may change",
+                    "arguments in `<<...>>` are fixed at load time; in `{}`, declare `{}` as an in-port to let it change",
                     short(&header.name),
                     port.name
                 ),
                 _ => format!(
-                    "what stands in `<<...>>` is fixed when the command is loaded; give it in `(...)`: `{}: x`",
+                    "arguments in `<<...>>` are fixed at load time; pass this one in `(...)`: `{}: x`",
                     port.name
                 ),
             });
@@ -235,7 +243,10 @@ impl<'a> Body<'_, 'a> {
         if !arg.is_static && port.role == FlowRole::Param && !self.is_fixed(arg.value) {
             let finding = Finding::new(
                 Code::RPI2008,
-                format!("`{}` is a parameter of `{}`", port.name, header.name),
+                format!(
+                    "the parameter `{}` of `{}` must be fixed when the command is loaded",
+                    port.name, header.name
+                ),
             )
             .at(
                 self.span_of(arg.value),
@@ -248,7 +259,7 @@ impl<'a> Body<'_, 'a> {
         true
     }
 
-    /// Reports the arguments by names that nothing in a declaration has; whether there are any.
+    /// Reports named arguments that match no port or parameter of a declaration; returns whether there are any.
     pub(super) fn report_strangers(&mut self, id: DeclId, given: &[Given<'a>]) -> bool {
         let ports = self.c.ports_of(id);
         let params = self.c.params_of(id);
@@ -267,6 +278,7 @@ impl<'a> Body<'_, 'a> {
         any
     }
 
+    /// Reports an argument without a matching port; returns `false`.
     fn no_port(&mut self, header: &Header, arg: &Given<'a>, given: &[Given<'a>]) -> bool {
         let (ports, count) = (by_place(header).len(), given.len());
         let finding = match arg.name {
@@ -277,12 +289,12 @@ impl<'a> Body<'_, 'a> {
             None => Finding::new(
                 Code::RPI1010,
                 format!(
-                    "`{}` takes {}, {count} given",
+                    "`{}` takes {}, found {count}",
                     header.name,
                     rpi_diag::counted(ports, "argument")
                 ),
             )
-            .at(self.span_of(arg.value), "one too many")
+            .at(self.span_of(arg.value), "unexpected argument")
             .also(header.span, "declared here")
             .help(format!("it is declared as `{}`", signature(header))),
         };
@@ -290,9 +302,10 @@ impl<'a> Body<'_, 'a> {
         false
     }
 
+    /// Whether every port without a default has an argument; reports the missing ones.
     fn all_given(&mut self, header: &Rc<Header>, args: &[Option<ExprId>], span: Span) -> bool {
         let ports = header.inputs.iter().enumerate().zip(args);
-        // What a command takes over from its predecessor is not given to it.
+        // Values that a command takes over from its predecessor are not arguments.
         let open = ports.filter(|((_, port), arg)| {
             arg.is_none() && !port.has_default && port.role != FlowRole::Given
         });
@@ -305,7 +318,7 @@ impl<'a> Body<'_, 'a> {
         let names = listed(open.iter().map(Name::as_str));
         let finding = Finding::new(
             Code::RPI1010,
-            format!("{names} of `{}` not given", header.name),
+            format!("missing {names} of `{}`", header.name),
         )
         .at(span, "arguments are missing")
         .also(header.span, "declared here")
@@ -314,7 +327,7 @@ impl<'a> Body<'_, 'a> {
         false
     }
 
-    /// Checks the types of arguments; what free names of the signature stand for is found on the way.
+    /// Checks the types of the arguments and infers the free names of the signature into `subst`.
     pub(super) fn fit_args(
         &mut self,
         header: &Header,
@@ -345,7 +358,7 @@ impl<'a> Body<'_, 'a> {
         sound
     }
 
-    /// The frames of a device parameter are those of the device that is given for it.
+    /// Binds the frames of a device parameter to those of the device passed for it.
     fn bind_device_frames(&mut self, port: &Port, arg: ExprId, subst: &mut Subst) {
         let (Ty::Device(device), Kind::Flow(flow)) = (&port.ty, &self.unit.expr(arg).kind) else {
             return;
@@ -358,7 +371,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// Whether a value is the same in all cycles: made of constants and parameters alone.
+    /// Whether a value is the same in all cycles, as it depends on constants and parameters only.
     pub(super) fn is_fixed(&self, id: ExprId) -> bool {
         let mut parts = self.unit.parts(id);
         while let Some((id, expr)) = parts.next() {
@@ -387,12 +400,12 @@ impl<'a> Body<'_, 'a> {
     }
 }
 
-/// A name without the types and values that an instance was made for.
+/// Returns the name of a callable without the static arguments of the instance.
 fn short(name: &Name) -> &str {
     name.split("<<").next().unwrap_or(name)
 }
 
-/// The head of a callable in short: its name and in-ports with their types.
+/// Returns the name of a callable and its in-ports with their types, for messages. Long lists are cut off.
 pub(super) fn signature(header: &Header) -> String {
     const LONGEST: usize = 6;
     let wanted = |port: &&Port| port.role != FlowRole::Given;
@@ -406,7 +419,7 @@ pub(super) fn signature(header: &Header) -> String {
     format!("{}({})", header.name, ports.join("; "))
 }
 
-/// An argument by a name that nothing in a declaration has.
+/// Returns the diagnostic for a named argument that matches no port or parameter.
 fn stranger(
     of: &Name,
     declared: Span,
@@ -422,10 +435,11 @@ fn stranger(
     let open = names.iter().filter(|other| !is_given(other));
     let near = rpi_diag::suggest(&name.name, open.map(|name| name.as_str()));
     let names = listed(names.iter().map(|name| name.as_str()));
-    super::statics::no_param(of, name, near).also(declared, format!("it has {names}"))
+    super::statics::no_param(of, name, near)
+        .also(declared, format!("its ports and parameters are {names}"))
 }
 
-/// The ports that arguments by place are for.
+/// Returns the indices of the ports that take positional arguments.
 fn by_place(header: &Header) -> Vec<usize> {
     let wanted = |port: &Port| match (header.kind, port.role) {
         (kind, role) if kind.is_root() => role == FlowRole::Param,

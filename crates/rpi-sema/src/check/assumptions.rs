@@ -1,4 +1,4 @@
-//! What contracts assume.
+//! Assumptions of contracts. An assumption may not depend on the outputs that it constrains.
 
 use super::body::Body;
 use crate::typed::{BlockId, ClaimKind, Each, Equation, ExprId, FlowId, FlowRole, Kind, Place};
@@ -7,7 +7,8 @@ use rpi_syntax::ast::{Contract, Ident, VarDecl};
 use std::collections::BTreeSet;
 
 impl<'a> Body<'_, 'a> {
-    /// Checks a contract in its block. Gives what it assumes, and what goes into the contracts that it takes up.
+    /// Checks a contract in its block. Returns the conditions that it assumes and the arguments of the contracts that
+    /// it imports.
     pub(super) fn assumed_by(&mut self, block: BlockId, contract: &'a Contract) -> Vec<ExprId> {
         let mut assumed = Vec::new();
         self.within(block, |body| {
@@ -20,8 +21,8 @@ impl<'a> Body<'_, 'a> {
         assumed
     }
 
-    /// What is assumed must be known before the outputs of the same cycle are: it allows them. In a contract by itself
-    /// these are in-ports.
+    /// Reports assumptions that read an output of the same cycle. In a declared contract the outputs (`allowed`) are
+    /// in-ports.
     pub(super) fn check_assumptions(&mut self, assumed: &[ExprId], allowed: &'a [VarDecl]) {
         let names: Vec<&Ident> = allowed.iter().flat_map(|port| &port.names).collect();
         let reads = assumed
@@ -30,18 +31,20 @@ impl<'a> Body<'_, 'a> {
         let reads: Vec<(FlowId, Span)> = reads.collect();
         for (output, at) in reads {
             let flow = self.unit.flow(output);
-            let message = format!("an assumption depends on `{}`, which it allows", flow.name);
-            let help =
-                "assume something about what comes in, or about outputs of earlier cycles: `pre`";
+            let message = format!(
+                "an assumption depends on the output `{}` of the same cycle",
+                flow.name
+            );
+            let help = "an assumption may read inputs, and outputs of earlier cycles through `pre`";
             let finding = Finding::new(Code::RPI4003, message)
-                .at(at, "the output of this cycle is read here")
+                .at(at, "read here")
                 .also(flow.span, "declared as an output here")
                 .help(help);
             self.report(finding);
         }
     }
 
-    /// An output that the value depends on in the same cycle, and where it is read.
+    /// Returns an output that the value depends on in the same cycle, and where it is read.
     fn output_read_by(&self, id: ExprId, allowed: &[&Ident]) -> Option<(FlowId, Span)> {
         let is_output = |id: FlowId| {
             let flow = self.unit.flow(id);
@@ -53,7 +56,8 @@ impl<'a> Body<'_, 'a> {
                 Kind::Each(Each::Pre, _) => {}
                 Kind::Flow(flow) if is_output(*flow) => return Some((*flow, expr.span)),
                 Kind::Flow(flow) if seen.insert(*flow) => parts.also(self.values_of(*flow)),
-                // What a mode requires is an assumption of its own contract: it reads no output of the cycle.
+                // Whether a mode of an imported contract applies depends on the arguments of that contract. Its
+                // requirements are assumptions of the imported contract, so that they are checked there.
                 kind => match self.mode_of(kind) {
                     Some(given) => parts.also(given),
                     None => parts.enter(id),
@@ -63,6 +67,7 @@ impl<'a> Body<'_, 'a> {
         None
     }
 
+    /// Returns the values of the equations that define a flow.
     fn values_of(&self, flow: FlowId) -> impl Iterator<Item = ExprId> + '_ {
         let defines = move |equation: &&Equation| {
             let mut targets = equation.targets.iter();

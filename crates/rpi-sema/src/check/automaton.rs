@@ -1,7 +1,7 @@
-//! State machines. A state is a block; what several states define is a flow of the surroundings.
+//! Automata. Each state is a block. A flow that several states define belongs to the block around the automaton.
 //!
-//! A flow that states define without its being declared around the automaton is declared by them: outside it is what
-//! the active state makes of it, absent where that state does not define it.
+//! If states define a flow that is not declared around the automaton, the automaton declares it. Outside, its value is
+//! that of the active state; it is absent if that state does not define it.
 
 use super::body::Body;
 use super::locals::Local;
@@ -14,14 +14,15 @@ use rpi_diag::{Code, Finding, Span};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{self, Ident, StatementKind};
 
-/// The states of an automaton, and the place of each by its name.
+/// An automaton with the index of each state by name.
 type States<'a, 'm> = (&'a ast::Automaton, &'m Map<Name, u32>);
 
-/// States that do not define a flow that are kept, for messages: every state may have a flow of its own.
+/// Maximum number of states recorded, for messages, as not defining a shared flow. The product of states and flows
+/// could be large.
 const MISSING: usize = 8;
 
 impl<'a> Body<'_, 'a> {
-    /// Declares an automaton's states, what is in them, and the flows that they share.
+    /// Declares the states of an automaton, their bodies, and the flows that they share.
     pub(super) fn declare_automaton(
         &mut self,
         automaton: &'a ast::Automaton,
@@ -68,13 +69,14 @@ impl<'a> Body<'_, 'a> {
         later.push((self.block, Later::Automaton(index, automaton)));
     }
 
-    /// The flow of the surroundings for each name that states define and do not declare (M14.4), in text order.
+    /// Returns the outer flow for each name that states define and do not declare (M14.4), in text order, and its index
+    /// by name.
     fn shared_flows(&mut self, automaton: &'a ast::Automaton) -> (Vec<Shared>, Map<Name, usize>) {
         let (mut flows, mut places) = (Vec::new(), Map::default());
         for name in candidates(automaton) {
             let flow = match self.find_in(self.block, &name.name) {
                 Some(Local::Flow(flow)) if self.unit.flow(flow).role.has_equation() => flow,
-                // What no equation may define, one in a state may not, either.
+                // A name that no equation may define, such as an in-port, cannot be defined in a state either.
                 Some(_) => continue,
                 None => {
                     self.hides_no_constant(name);
@@ -92,7 +94,7 @@ impl<'a> Body<'_, 'a> {
         (flows, places)
     }
 
-    /// Declares, in one state, its own version of each flow that it shares.
+    /// Declares the local version of each shared flow that a state defines.
     fn declare_state(
         &mut self,
         index: usize,
@@ -119,8 +121,8 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// A flow of the current block that contributes to `outer`, which states share. Declared `T?`, `outer` may be absent
-    /// because of other states: whether this contribution may be absent is for its own equation to say.
+    /// Adds the flow of the current block that contributes to the shared flow `outer`. If `outer` is declared `T?`, it
+    /// may be absent because of other states, so that the absence of this flow is inferred from its own equation.
     pub(super) fn version_of(&mut self, name: &Ident, outer: FlowId) -> FlowId {
         let shared = self.unit.flow(outer);
         let optional = match shared.optional {
@@ -134,13 +136,13 @@ impl<'a> Body<'_, 'a> {
         version
     }
 
-    /// The flows of the surroundings that a state's flow is a version of, from the inside out.
+    /// Returns the outer flows that a state's flow contributes to, innermost first.
     pub(super) fn shared_around(&self, flow: FlowId) -> impl Iterator<Item = FlowId> + '_ {
         let outer = |flow: &FlowId| self.shares.get(flow).copied();
         std::iter::successors(outer(&flow), outer)
     }
 
-    /// Checks an automaton's transitions, each in its state.
+    /// Checks the transitions of an automaton, each in its state.
     pub(super) fn check_automaton(&mut self, index: usize, automaton: &'a ast::Automaton) {
         let states = self.current().automata[index].states.clone();
         let names = automaton.states.iter().map(|state| state.name.name.clone());
@@ -167,7 +169,8 @@ impl<'a> Body<'_, 'a> {
     ) -> Vec<Transition> {
         let mut checked = Vec::new();
         for transition in transitions {
-            // A strong condition is decided before the state runs, so it is not one of the state's own flows.
+            // A strong condition (`unless`) is evaluated before the state runs, so that it cannot read the state's own
+            // flows.
             let place = if strong { self.block } else { block };
             let condition = transition.condition.as_ref();
             let condition =
@@ -184,6 +187,7 @@ impl<'a> Body<'_, 'a> {
         checked
     }
 
+    /// Returns the index of the target state of a transition; reports an undefined state.
     fn target_state(&mut self, (automaton, places): States<'a, '_>, target: &Ident) -> Option<u32> {
         let index = places.get(&target.name).copied();
         if index.is_none() {
@@ -203,7 +207,7 @@ impl<'a> Body<'_, 'a> {
         index
     }
 
-    /// Where a state of another automaton is declared, here or around here.
+    /// Returns where a state of another automaton in an enclosing block is declared.
     fn state_elsewhere(&self, name: &Name) -> Option<Span> {
         match self.find_local(name)? {
             Local::State(block) => Some(self.unit.block(block).span),
@@ -212,7 +216,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// Whether a block is a state.
+    /// Whether a block is a state of an automaton.
     pub(super) fn is_state(&self, block: BlockId) -> bool {
         let around = self.unit.block(block).parent.map(|id| self.unit.block(id));
         let automata = around.into_iter().flat_map(|around| &around.automata);
@@ -220,6 +224,7 @@ impl<'a> Body<'_, 'a> {
         states.any(|state| state.block == block)
     }
 
+    /// Reports states with the same name.
     fn one_of_each_name(&mut self, automaton: &ast::Automaton) {
         let mut known: Map<&Name, Span> = Map::default();
         for Ident { name, span } in automaton.states.iter().map(|state| &state.name) {
@@ -230,24 +235,27 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
+    /// Reports an automaton without an initial state or with several.
     fn one_initial(&mut self, automaton: &ast::Automaton) {
         let mut initial = automaton.states.iter().filter(|state| state.initial);
         let finding = match (initial.next(), initial.next()) {
             (Some(_), None) => return,
-            (Some(first), Some(second)) => {
-                Finding::new(Code::RPI3006, "an automaton starts in one state")
-                    .at(second.name.span, "a second initial state")
-                    .also(first.name.span, "the first one")
-            }
-            (None, _) => Finding::new(Code::RPI3006, "no state is `initial`")
-                .at(automaton.states[0].name.span, "does it start here?")
-                .help("write `initial state` where it starts"),
+            (Some(first), Some(second)) => Finding::new(
+                Code::RPI3006,
+                "an automaton must have exactly one initial state",
+            )
+            .at(second.name.span, "second initial state")
+            .also(first.name.span, "first initial state"),
+            (None, _) => Finding::new(Code::RPI3006, "the automaton has no initial state")
+                .at(automaton.states[0].name.span, "first state")
+                .help("mark one state as initial: `initial state`"),
         };
         self.report(finding);
     }
 }
 
-/// Whether a state is never active: it is always left before it runs, and nothing enters it in the cycle in which it would run.
+/// Whether a state is never active: an unconditional strong transition leaves it before it runs, and no strong
+/// transition enters it.
 fn is_only_passed(automaton: &ast::Automaton, state: &ast::State) -> bool {
     let mut strong = automaton.states.iter().flat_map(|other| &other.unless);
     let is_left = state.unless.iter().any(|one| one.condition.is_none());
@@ -256,26 +264,29 @@ fn is_only_passed(automaton: &ast::Automaton, state: &ast::State) -> bool {
         && state.body.statements.is_empty()
 }
 
+/// Returns the index of the initial state; 0 if there is none.
 fn initial(automaton: &ast::Automaton) -> u32 {
     let index = automaton.states.iter().position(|state| state.initial);
     index.and_then(|k| u32::try_from(k).ok()).unwrap_or(0)
 }
 
-/// The names that states define and do not declare, also by automata in them: each once, in text order.
+/// Returns the names that states define and do not declare, including automata inside of states; each name once, in
+/// text order.
 pub(super) fn candidates(automaton: &ast::Automaton) -> Vec<&Ident> {
     let mut known: Set<&Name> = Set::default();
     let names = automaton.states.iter().flat_map(all_defined_names);
     names.filter(|name| known.insert(&name.name)).collect()
 }
 
-/// Plain names that a state or an automaton in it defines, and that it does not declare itself.
+/// Returns the names that the equations of a state, or of automata inside of it, define and that the state does not
+/// declare.
 fn all_defined_names(state: &ast::State) -> Vec<&Ident> {
     let mut names = defined_names(state);
     names.extend(defined_by_automata(state));
     names
 }
 
-/// Plain names that automata in a state define, and that it does not declare itself.
+/// Returns the names that automata inside of a state define and that the state does not declare.
 fn defined_by_automata(state: &ast::State) -> Vec<&Ident> {
     let declared = declared_names(state);
     let automata = state.body.statements.iter().filter_map(|s| match &s.kind {
@@ -289,7 +300,7 @@ fn defined_by_automata(state: &ast::State) -> Vec<&Ident> {
         .collect()
 }
 
-/// Plain names that equations of a state define, and that it does not declare itself.
+/// Returns the names that the equations of a state define as a whole and that the state does not declare.
 fn defined_names(state: &ast::State) -> Vec<&Ident> {
     let declared = declared_names(state);
     let equations = state.body.statements.iter().filter_map(|s| match &s.kind {
@@ -305,6 +316,7 @@ fn defined_names(state: &ast::State) -> Vec<&Ident> {
         .collect()
 }
 
+/// Returns the names that a state declares.
 fn declared_names(state: &ast::State) -> Map<&Name, ()> {
     let mut declared: Map<&Name, ()> = Map::default();
     for section in &state.body.locals {

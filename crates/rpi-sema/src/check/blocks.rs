@@ -1,11 +1,13 @@
-//! Blocks of equations (`if`, `when`, `cond`, `frame` of Kind 2): what they stand for, and what is wrong with them.
+//! Blocks of equations (`if`, `when`, `cond`, and `frame` of Kind 2). The parser has replaced each block by plain
+//! equations; this module declares these and reports the block's errors.
 
 use super::body::Body;
 use rpi_diag::{Code, Finding};
 use rpi_syntax::ast::{BlockFault, Meaning};
 
 impl<'a> Body<'_, 'a> {
-    /// Declares the equations that a block stands for.
+    /// Reports the errors of a block and declares its equations. A flow whose equation is faulty counts as defined, so
+    /// that it is reported once.
     pub(super) fn declare_meaning(&mut self, means: &'a Meaning) {
         for fault in &means.faults {
             self.report(fault_of(fault));
@@ -34,27 +36,28 @@ impl<'a> Body<'_, 'a> {
     }
 }
 
+/// Returns the diagnostic for an error in a block of equations.
 fn fault_of(fault: &BlockFault) -> Finding {
     match fault {
         BlockFault::MissingIn(name, branch) => Finding::new(
             Code::RPI1009,
-            format!("`{}` is not defined in every case", name.name),
+            format!("`{}` is not defined in every branch", name.name),
         )
-        .at(name.span, "has an equation here")
-        .also(*branch, "and none in a case of this condition")
-        .help("add the equation; or let a `frame` keep the value of the cycle before"),
+        .at(name.span, "defined here")
+        .also(*branch, "not defined in a branch of this condition")
+        .help("add the equation, or use a `frame` to keep the value of the previous cycle"),
         BlockFault::NoEquation(span, what) => Finding::new(
             Code::RPI1014,
-            format!("{what} can not stand in a block of equations"),
+            format!("{what} is not allowed in a block of equations"),
         )
-        .at(*span, "only equations and blocks of equations")
-        .help("write it outside of the block"),
+        .at(*span, "expected an equation or a block of equations")
+        .help("move it out of the block"),
         BlockFault::NotNamed(name) => Finding::new(
             Code::RPI1014,
-            format!("the `frame` does not name `{}`", name.name),
+            format!("`{}` is not listed in the header of the `frame`", name.name),
         )
-        .at(name.span, "defined inside of it")
-        .help("name it in the brackets after `frame`, or define it outside"),
+        .at(name.span, "defined in the `frame`")
+        .help("list it in the parentheses after `frame`, or define it outside"),
         BlockFault::Twice(name, first) => {
             Finding::new(Code::RPI1008, format!("`{}` is defined twice", name.name))
                 .at(name.span, "defined again here")

@@ -1,4 +1,4 @@
-//! The state of checking one body, and its course: declare, infer, check.
+//! State of checking one body. The steps are: declare names, infer types, check.
 
 use super::Checker;
 use super::bound::{Bound, Unwatched};
@@ -16,85 +16,93 @@ use rpi_syntax::ast::Locals;
 use rpi_syntax::{Mode, Name};
 use std::rc::Rc;
 
-/// One body while it is checked.
+/// Body that is being checked.
 pub(super) struct Body<'c, 'a> {
     pub(super) c: &'c mut Checker<'a>,
+    /// Module of the declaration, in which names are resolved.
     pub(super) module: ModuleId,
-    /// Which words its file knows.
+    /// Language of the file, which decides the keywords: RPI or Lustre.
     pub(super) mode: Mode,
+    /// Static arguments of the instance.
     pub(super) statics: Rc<Statics>,
+    /// Typed result so far.
     pub(super) unit: Unit,
-    /// The block whose text is being read.
+    /// Block whose text is being checked.
     pub(super) block: BlockId,
+    /// Declared names, by block index.
     pub(super) scopes: Vec<Scope>,
-    /// The equations, and of each flow without declared type the one that defines it.
+    /// All equations of the body.
     pub(super) pending: Vec<Pending<'a>>,
+    /// For each flow without a declared type, the index in `pending` of the equation that defines it.
     pub(super) defined_by: Vec<Option<usize>>,
-    /// Declarations of each block, of which the clocks are looked at later.
+    /// Local declarations by block. Their clocks are resolved when all flows are declared.
     pub(super) clocks_stated: Vec<(BlockId, &'a [Locals])>,
-    /// For the flow of a state the one outside that it is a version of.
+    /// For each flow local to a state, the shared flow outside that it contributes to.
     pub(super) shares: Map<FlowId, FlowId>,
-    /// Of each flow that states share their versions of it.
+    /// For each shared flow, the flows local to states that contribute to it. The inverse of `shares`.
     pub(super) versions: Map<FlowId, Vec<FlowId>>,
-    /// Of each flow that states share and an equation beside them defines, too, the flow of that equation.
+    /// For each shared flow with an equation beside the automaton, the flow of that equation (see `defaults.rs`).
     pub(super) defaults: Map<FlowId, FlowId>,
-    /// Flows that were read before their types were known.
+    /// Reads of flows whose types were not known yet.
     pub(super) missing: Vec<Missing>,
-    /// Flows that a statement with a reported fault seems to define.
+    /// Flows that a faulty statement may define. No missing definition is reported for them.
     pub(super) broken: Vec<FlowId>,
-    /// Names of flows that nothing declares, as far as that has been reported.
+    /// Undefined names of flows that have been reported.
     pub(super) unknown: Told<Name>,
-    /// Flows that are no clocks, as far as that has been reported.
+    /// Flows reported as not usable as clocks.
     pub(super) no_clocks: Told<FlowId>,
-    /// Whether types are being looked for: faults are reported later, when all are known.
+    /// Whether types are being inferred. Errors are reported later, when all types are known.
     pub(super) inferring: bool,
-    /// Which numbers tell types, where nothing else does.
+    /// Policy for guessing types from number literals.
     pub(super) guesses: Guess,
-    /// Whether a signature is being read, where frames need no declaration.
+    /// Whether a signature is being checked, where frames need no declaration.
     pub(super) in_signature: bool,
-    /// Where numbers without a unit stand.
+    /// Locations of number literals without a unit.
     pub(super) numbers: Set<Span>,
-    /// Where state was met first.
+    /// Location of the first expression with state.
     pub(super) state_at: Option<Span>,
-    /// Names that expressions bring in, innermost last.
+    /// Names bound by expressions, innermost last.
     pub(super) bound: Vec<Bound>,
-    /// Equations that define arrays element by element.
+    /// Equations that define an array element by element.
     pub(super) elements: Vec<&'a rpi_syntax::ast::Equation>,
-    /// How many equations define parts of a flow.
+    /// Number of equations that define parts of a flow, by name.
     pub(super) parts_defined: Map<Name, u32>,
-    /// How many `pre` stand around what is being checked.
+    /// Number of `pre` operators around the current expression.
     pub(super) past: u32,
-    /// How often static parameters have been read.
+    /// Number of reads of static parameters.
     pub(super) statics_read: usize,
-    /// The names bound before the type of a bound variable: it does not depend on them.
+    /// Number of names bound before the bound variable whose type is being checked. The type must not depend on these.
     pub(super) fixed_before: Option<usize>,
-    /// Whether a condition about a bound variable decides if what is being checked is computed.
+    /// Whether the current expression is in a branch chosen by a condition on a bound variable.
     pub(super) guarded: bool,
-    /// The contracts that are taken up, by whichever contract of the body.
+    /// Contracts imported by the contracts of the body.
     pub(super) imports: Vec<Import<'a>>,
-    /// For each mode of the contract that was checked last whether it applies.
+    /// For each mode of the last checked contract, the condition under which it applies.
     pub(super) applies: Vec<ExprId>,
-    /// Whether this is a contract by itself.
+    /// Whether the body is that of a declared contract.
     pub(super) is_contract: bool,
-    /// Whether contracts are being looked for, not nodes.
+    /// Whether names of callees are resolved as contracts instead of nodes.
     pub(super) importing: bool,
-    /// The modes of the contract that is being checked, and those that are being worked out.
+    /// Modes of the contract being checked.
     pub(super) modes: Vec<&'a rpi_syntax::ast::ContractMode>,
+    /// Modes whose conditions are being checked, each needed by the previous one.
     pub(super) open_modes: Vec<Name>,
-    /// Whether it has been said that modes need themselves.
+    /// Whether a dependency cycle of modes has been reported.
     pub(super) ringed_modes: bool,
-    /// Whether a claim is being checked, and whether it needs more than a run can show.
+    /// While a claim is being checked: the first part of it that no run can evaluate.
     pub(super) claim: Option<Unwatched>,
-    /// Whether a time has been met.
+    /// Whether the body contains an exact time.
     pub(super) has_times: bool,
-    /// Flows that are declared in seconds, with the places of their types.
+    /// Flows declared in seconds, with the locations of their types.
     pub(super) seconds: Vec<(FlowId, Span)>,
+    /// Diagnostics of this body.
     pub(super) findings: Vec<Finding>,
-    /// Which of them has a fix that writes a number as a real; others beside it may join.
+    /// Index of the diagnostic whose fix writes a number as a real. Adjacent numbers extend this fix.
     pub(super) made_real: Option<usize>,
 }
 
 impl<'c, 'a> Body<'c, 'a> {
+    /// Creates the state for the body of a declaration with these static arguments.
     pub(super) fn new(
         c: &'c mut Checker<'a>,
         decl: DeclId,
@@ -147,19 +155,20 @@ impl<'c, 'a> Body<'c, 'a> {
         }
     }
 
-    /// A body without text of its own, for what stands at the top of a module.
+    /// Creates an empty body for expressions at the top of a module.
     pub(super) fn around(c: &'c mut Checker<'a>, decl: DeclId) -> Self {
         let unit = Unit::new(Name::from(""), UnitKind::Constant, Span::NONE);
         Body::new(c, decl, Rc::default(), unit)
     }
 
-    /// Ends the work on this body: its findings become the program's.
+    /// Moves the diagnostics to the checker and returns the unit.
     pub(super) fn leave(mut self) -> Unit {
         self.c.findings.append(&mut self.findings);
         self.unit
     }
 
-    /// Adds an expression to the table.
+    /// Adds an expression. A time, or a fixed duration in seconds, is wrapped in a `Part`, which can later be replaced
+    /// by a conversion between ticks and seconds.
     pub(super) fn add(&mut self, kind: Kind, ty: Ty, span: Span) -> ExprId {
         match self.is_rpi() && super::time::may_be_converted(&self.unit, &kind, &ty) {
             true => {
@@ -178,28 +187,28 @@ impl<'c, 'a> Body<'c, 'a> {
         id
     }
 
-    /// Stands for an expression with a fault that has been reported.
+    /// Adds an error expression, for an error that has been reported.
     pub(super) fn fault(&mut self, span: Span) -> ExprId {
         self.add(Kind::Fault, Ty::Unknown, span)
     }
 
-    /// Reports, and stands for the expression.
+    /// Reports an error and adds an error expression.
     pub(super) fn fault_with(&mut self, finding: Finding, span: Span) -> ExprId {
         self.report(finding);
         self.fault(span)
     }
 
-    /// The type of an expression.
+    /// Returns the type of an expression.
     pub(super) fn ty_of(&self, id: ExprId) -> &Ty {
         &self.unit.expr(id).ty
     }
 
-    /// The place of an expression.
+    /// Returns the location of an expression.
     pub(super) fn span_of(&self, id: ExprId) -> Span {
         self.unit.expr(id).span
     }
 
-    /// Runs `work` with another block as the current one.
+    /// Runs `work` with `block` as the current block.
     pub(super) fn within<T>(&mut self, block: BlockId, work: impl FnOnce(&mut Self) -> T) -> T {
         let outer = std::mem::replace(&mut self.block, block);
         let result = work(self);
@@ -207,12 +216,12 @@ impl<'c, 'a> Body<'c, 'a> {
         result
     }
 
-    /// The block whose content is being added to.
+    /// Returns the current block.
     pub(super) fn current(&mut self) -> &mut Block {
         &mut self.unit.blocks[self.block.0 as usize]
     }
 
-    /// A flow of this body by its name in the current block.
+    /// Returns the flow that a name means in the current block.
     pub(super) fn local_flow(&self, name: &str) -> Option<FlowId> {
         match self.find_local(name) {
             Some(Local::Flow(flow)) => Some(flow),
@@ -220,19 +229,19 @@ impl<'c, 'a> Body<'c, 'a> {
         }
     }
 
-    /// Whether it is worth saying that nothing declares a flow of this name.
+    /// Records an undefined name of a flow; returns whether it has not been reported before.
     pub(super) fn is_new_unknown(&mut self, name: &Name) -> bool {
         self.unknown.tell(name, self.findings.len())
     }
 
-    /// Notes that there is state here, for functions, which have none.
+    /// Records an expression with state. Functions report it, as they must not have state.
     pub(super) fn has_state(&mut self, span: Span) {
         self.state_at.get_or_insert(span);
     }
 }
 
 impl Unit {
-    /// A unit without content.
+    /// Creates an empty unit.
     #[must_use]
     pub fn new(name: Name, kind: UnitKind, span: Span) -> Unit {
         Unit {

@@ -1,4 +1,5 @@
-//! Names that expressions bring in: variables of quantifiers and of conditions of types, parts of alternatives, indices.
+//! Names bound by expressions: variables of quantifiers and of refinement types, parts of alternatives in a `match`,
+//! and array indices.
 
 use super::body::Body;
 use crate::ty::Ty;
@@ -7,35 +8,37 @@ use rpi_diag::{Code, Finding, Span};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{Expr, ExprKind, Ident};
 
-/// A name that an expression brings in.
+/// Name bound by an expression.
 #[derive(Clone, Debug)]
 pub(super) struct Bound {
     pub(super) name: Name,
+    /// Meaning of the name.
     pub(super) means: Means,
-    /// How many `pre` stood around where it was brought in.
+    /// Number of `pre` operators around the binding.
     past: u32,
+    /// Location of the binding.
     span: Span,
 }
 
-/// What a bound name means.
+/// Meaning of a bound name.
 #[derive(Clone, Debug)]
 pub(super) enum Means {
-    /// Any value of a type, of which a quantifier speaks.
+    /// Variable of a quantifier: any value of the type.
     Any(Ty),
-    /// A value of a type, for which a condition of the type is to hold.
+    /// Value to which the condition of a refinement type applies.
     Value(Ty),
-    /// What an expression gives.
+    /// Name of an expression.
     Expr(ExprId),
-    /// An index of the array that an equation defines element by element.
+    /// Value of an array index in an equation that defines an array element by element.
     Index(i64),
 }
 
-/// Something that a claim speaks of and no run can show.
+/// Location of the first part of a claim that no run can evaluate; `None` if there is none.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Unwatched(pub(super) Option<Span>);
 
 impl<'a> Body<'_, 'a> {
-    /// Checks something with one more name.
+    /// Runs `work` with one more bound name.
     pub(super) fn with_bound<T>(
         &mut self,
         name: &Ident,
@@ -48,6 +51,7 @@ impl<'a> Body<'_, 'a> {
         result
     }
 
+    /// Binds a name. The caller removes it from `bound` again.
     pub(super) fn bind_name(&mut self, name: &Ident, means: Means) {
         self.bound.push(Bound {
             name: name.name.clone(),
@@ -57,7 +61,7 @@ impl<'a> Body<'_, 'a> {
         });
     }
 
-    /// A bound name, read.
+    /// Reads a bound name; returns `None` if it is not bound.
     pub(super) fn bound_name(&mut self, name: &Name, span: Span) -> Option<ExprId> {
         let at = self.bound.iter().rposition(|bound| bound.name == *name)?;
         let bound = self.bound[at].clone();
@@ -84,23 +88,26 @@ impl<'a> Body<'_, 'a> {
     }
 
     fn has_no_past(&mut self, bound: &Bound, span: Span) -> ExprId {
-        let message = format!("`{}` has no earlier cycle", bound.name);
+        let message = format!(
+            "the quantified variable `{}` has no earlier cycles",
+            bound.name
+        );
         let finding = Finding::new(Code::RPI2014, message)
-            .at(span, "read after `pre`")
-            .also(bound.span, "a quantifier speaks of all its values here")
-            .help("write the `pre` around what is a flow");
+            .at(span, "read inside `pre`")
+            .also(bound.span, "quantified here")
+            .help("apply `pre` to flows only");
         self.fault_with(finding, span)
     }
 
     fn not_fixed(&mut self, bound: &Bound, span: Span) -> ExprId {
         let finding = Finding::new(Code::RPI2008, "a constant is needed here")
-            .at(span, "a variable of the same quantifier")
-            .also(bound.span, "brought in here")
-            .help("say it in the condition of the quantifier");
+            .at(span, "variable of the same quantifier")
+            .also(bound.span, "bound here")
+            .help("move this restriction to the condition of the quantifier");
         self.fault_with(finding, span)
     }
 
-    /// Whether an expression reads a name that a quantifier or an index brings in.
+    /// Whether an expression reads a variable of a quantifier or an array index.
     pub(super) fn reads_bound(&self, expr: &Expr) -> bool {
         let mut open = vec![expr];
         while let Some(expr) = open.pop() {
@@ -119,11 +126,12 @@ impl<'a> Body<'_, 'a> {
 }
 
 impl Bound {
-    /// Whether it stands for several values in one cycle.
+    /// Whether the name has several values in one cycle.
     pub(super) fn varies(&self) -> bool {
         matches!(self.means, Means::Any(_) | Means::Index(_))
     }
 
+    /// Whether the name is the variable of a quantifier.
     pub(super) fn is_quantified(&self) -> bool {
         matches!(self.means, Means::Any(_))
     }

@@ -1,4 +1,4 @@
-//! Calls: what is called, with which static arguments, when.
+//! Calls: resolution of the callee, static arguments, activation, and instantiation of the called unit.
 
 use super::Constant;
 use super::args::Given;
@@ -22,35 +22,42 @@ use rpi_syntax::Name;
 use rpi_syntax::ast::{self, NodeDef, StaticArg};
 use std::rc::Rc;
 
-/// Arguments that fit what they are given to.
+/// Call whose arguments match the ports of the callee.
 pub(super) struct Fitted {
+    /// Header of the called instance.
     pub(super) header: Rc<Header>,
-    /// For each port what it is given, if something is.
+    /// Argument of each in-port; `None` for a port that uses its default.
     pub(super) args: Vec<Option<ExprId>>,
-    /// What free names of the signature stand for.
+    /// Types and frames inferred for the free names of the signature.
     subst: Subst,
 }
 
-/// What a name between a call's brackets and its statics stands for.
+/// Meaning of the name of a callee.
 enum Callee<'a> {
+    /// Callable with all its static arguments: a node parameter or an operator.
     Known(Callable),
+    /// Declaration.
     Decl(DeclId),
+    /// Predeclared operator with its own checks.
     Special(Special),
+    /// Registered primitive.
     Prim(PrimId),
+    /// Iterator over arrays, by name.
     Iterator(&'static str),
-    /// An alternative of a `datatype`.
+    /// Alternative of a `datatype`: its type and index.
     Constructor(DeclId, u32),
+    /// Not callable, which has been reported.
     Nothing(std::marker::PhantomData<&'a ()>),
 }
 
 impl<'a> Body<'_, 'a> {
-    /// A call.
+    /// Checks a call.
     pub(super) fn call(&mut self, call: &'a ast::Call, span: Span) -> ExprId {
         let activation = self.activation(&call.activation);
         self.call_activated(call, activation, span)
     }
 
-    /// A call that runs when it is said.
+    /// Checks a call with a given activation.
     pub(super) fn call_activated(
         &mut self,
         call: &'a ast::Call,
@@ -103,7 +110,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// The declaration behind an alias (`node f = g<<3>>;`) and a call of it.
+    /// Checks a call of a declaration. A call of an alias (`node f = g<<3>>;`) is a call of its target.
     fn call_decl(
         &mut self,
         id: DeclId,
@@ -131,7 +138,7 @@ impl<'a> Body<'_, 'a> {
         self.apply_unit(id, bound.statics, given, activation, span)
     }
 
-    /// What another name for a callable stands for; it may have static parameters of its own.
+    /// Returns the callable that an alias stands for. The alias may have static parameters.
     fn alias(
         &mut self,
         id: DeclId,
@@ -156,7 +163,8 @@ impl<'a> Body<'_, 'a> {
         callable
     }
 
-    /// Has another name with static parameters and declared ports checked by itself: what it stands for must have these.
+    /// Checks the unit of an alias with static parameters and declared ports, so that ports that differ from those of
+    /// its target are reported.
     fn compare_ports(&mut self, id: DeclId, statics: &Statics) {
         let DeclKind::Node(node) = self.c.program.decl(id).kind else {
             return;
@@ -171,6 +179,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
+    /// Checks the conditions of an activation.
     fn activation(&mut self, activation: &'a ast::Activation) -> Activation {
         match activation {
             ast::Activation::Always => Activation::Always,
@@ -191,6 +200,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
+    /// Resolves the name of a callee.
     fn callee(&mut self, name: &Name, span: Span) -> Callee<'a> {
         let importing = std::mem::take(&mut self.importing);
         if let Some(Static::Callee(callable, misfit)) = self.statics.get(name).cloned() {
@@ -221,15 +231,16 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
+    /// Resolves a declaration as a callee; reports one that is not callable.
     fn callee_decl(&mut self, id: DeclId, name: &Name, span: Span) -> Callee<'a> {
         let decl = self.c.program.decl(id).clone();
         if is_callable(decl.kind) {
             return Callee::Decl(id);
         }
         if !matches!(decl.kind, DeclKind::Broken(_)) {
-            let finding = not_a("something to call", name, decl.kind.what(), span, decl.span);
+            let finding = not_a("a callable", name, decl.kind.what(), span, decl.span);
             let finding = match decl.kind {
-                DeclKind::Command(_) => finding.help("a command is run by a task, or by `rpi run`"),
+                DeclKind::Command(_) => finding.help("run a command by a task, or by `rpi run`"),
                 _ => finding,
             };
             self.report(finding);
@@ -237,6 +248,7 @@ impl<'a> Body<'_, 'a> {
         Callee::Nothing(std::marker::PhantomData)
     }
 
+    /// Resolves an iterator, a predeclared operator or a primitive; reports an undefined name.
     fn callee_predeclared(&mut self, name: &Name, span: Span) -> Callee<'a> {
         let plain = name.strip_prefix("Lustre::").unwrap_or(name);
         if let Some(iterator) = super::iterate::NAMES
@@ -267,11 +279,12 @@ impl<'a> Body<'_, 'a> {
         Callee::Nothing(std::marker::PhantomData)
     }
 
+    /// Reports an undefined callee, with a suggestion.
     fn unknown_callee(&mut self, name: &Name, span: Span) {
         if let Some(Local::Flow(flow)) = self.find_local(name) {
             let declared = self.unit.flow(flow).span;
-            let finding = not_a("something to call", name, "a flow", span, declared).help(format!(
-                "an element of an array is read by `{name}[0]`, a product is written `{name} * x`"
+            let finding = not_a("a callable", name, "a flow", span, declared).help(format!(
+                "read an array element by `{name}[0]`; write a product as `{name} * x`"
             ));
             return self.report(finding);
         }
@@ -279,7 +292,7 @@ impl<'a> Body<'_, 'a> {
         let near = self
             .c
             .suggest(name, self.c.program.visible(self.module, callable));
-        // What is called `time` is hardly meant: it is a flow.
+        // `time` is not suggested: it is also the name of a predeclared flow, which is more likely to be meant.
         let specials = SPECIALS.iter().map(|special| special.name());
         let specials = specials.filter(|special| *special != "time");
         let near = near.or_else(|| rpi_diag::suggest(name, specials));
@@ -309,7 +322,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// Something to call by name with its static arguments, for an iterator or as a static argument.
+    /// Resolves a callable with its static arguments, for an iterator or as a static argument.
     pub(super) fn callable(
         &mut self,
         name: &Name,
@@ -320,7 +333,7 @@ impl<'a> Body<'_, 'a> {
             Callee::Nothing(_) => None,
             Callee::Constructor(..) => {
                 let finding = not_a(
-                    "something to call",
+                    "a callable",
                     name,
                     "an alternative of a datatype",
                     span,
@@ -349,6 +362,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
+    /// Returns the values of the ports that static arguments fix.
     fn fixed_ports(&mut self, ports: &[Given<'a>]) -> Option<Rc<[(Name, Fixed)]>> {
         let mut fixed = Vec::new();
         for port in ports {
@@ -364,7 +378,7 @@ impl<'a> Body<'_, 'a> {
         Some(fixed.into())
     }
 
-    /// Refuses something to call that is given values which only this body knows.
+    /// Rejects a callable with values that are only known in this body; returns `None` after the error.
     pub(super) fn leaves_the_body(&mut self, callable: Callable) -> Option<Callable> {
         match callable.loaded() {
             None => Some(callable),
@@ -375,7 +389,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// Calls something with checked arguments.
+    /// Calls a callable with checked arguments.
     pub(super) fn apply(
         &mut self,
         callable: &Callable,
@@ -396,6 +410,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
+    /// Calls a declaration with the values of its fixed ports added to the arguments.
     fn apply_fixed(
         &mut self,
         id: DeclId,
@@ -422,6 +437,7 @@ impl<'a> Body<'_, 'a> {
         self.apply_unit(id, (**statics).clone(), given, activation, span)
     }
 
+    /// Calls a declaration with checked arguments.
     fn apply_unit(
         &mut self,
         id: DeclId,
@@ -432,13 +448,14 @@ impl<'a> Body<'_, 'a> {
     ) -> ExprId {
         match self.fitted(id, statics, given, span) {
             Ok(fitted) => self.call_unit(fitted, activation, span),
-            // What is done with the outputs is looked at all the same.
+            // The type is kept, so that the uses of the outputs are still checked.
             Err(ty) => self.add(Kind::Fault, ty, span),
         }
     }
 
-    /// Matches arguments with the ports of a declaration; after a fault the type of what it would have given, as far as
-    /// that is known.
+    /// Matches arguments with the ports of a declaration and infers its open static parameters.
+    ///
+    /// Returns the type of the result, as far as it is known, after an error.
     pub(super) fn fitted(
         &mut self,
         id: DeclId,
@@ -454,7 +471,7 @@ impl<'a> Body<'_, 'a> {
         }
         let open = self.c.complete(id, &mut statics);
         if self.c.lacks_sizes(id, &open, &statics, span) {
-            // What is given under a wrong name may be what tells them.
+            // Not reported beside a misspelt argument: that may be the one the size depends on.
             if !self.report_strangers(id, &given) {
                 self.report_missing(id, &open, span);
             }
@@ -483,7 +500,7 @@ impl<'a> Body<'_, 'a> {
         let told_at = all_told.then_some(span);
         let header = self.instance(&header, statics, &open, &subst, (span, told_at));
         let header = header.ok_or(Ty::Unknown)?;
-        // Types in whose units parameters stand are known only now.
+        // Units that depend on static parameters are known only in the instance, so that the types are checked again.
         sound = sound && (!of_units || self.fit_args(&header, &mut args, &mut subst));
         match sound {
             true => Ok(Fitted {
@@ -495,6 +512,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
+    /// Adds the call of an instance.
     fn call_unit(&mut self, fitted: Fitted, activation: Activation, span: Span) -> ExprId {
         let Fitted {
             ref header,
@@ -526,7 +544,7 @@ impl<'a> Body<'_, 'a> {
         self.add(Kind::Call(Box::new(call)), ty, span)
     }
 
-    /// An argument that decides about the clock of another port gets a name, if it has none: clocks are told by names.
+    /// Gives each argument that decides the clock of another port a flow of its own, as clocks refer to flows by name.
     fn named_clocks(
         &mut self,
         header: &Header,
@@ -545,7 +563,7 @@ impl<'a> Body<'_, 'a> {
         args
     }
 
-    /// An expression as a flow of its own, called like the port that it is for.
+    /// Adds a flow with the value of an expression, named after the port with a unique suffix.
     fn named(&mut self, port: &super::header::Port, value: ExprId) -> ExprId {
         let (span, ty) = (self.span_of(value), self.ty_of(value).clone());
         let name = ast::Ident {
@@ -563,16 +581,14 @@ impl<'a> Body<'_, 'a> {
         self.flow_expr(flow, span)
     }
 
+    /// Reports a call of a node without a body.
     fn not_extern(&mut self, header: &Header, span: Span) {
         if let DeclKind::Node(node) = self.c.program.decl(header.decl).kind
             && matches!(node.definition, NodeDef::Extern)
         {
-            let finding = Finding::new(
-                Code::RPI1012,
-                format!("`{}` is defined outside", header.name),
-            )
-            .at(span, "nothing here can run it")
-            .also(header.span, "declared without a body");
+            let finding = Finding::new(Code::RPI1012, format!("`{}` has no body", header.name))
+                .at(span, "an external node cannot be executed")
+                .also(header.span, "declared without a body");
             self.report(finding);
         }
     }

@@ -1,4 +1,4 @@
-//! What can be called: declarations with what is fixed of them, primitives, operators, iterators.
+//! Callables: declarations with their static arguments, primitives, operators, and iterators.
 
 use super::Constant;
 use super::header::Header;
@@ -14,36 +14,36 @@ use rpi_syntax::Name;
 use rpi_syntax::ast::StaticOp;
 use std::rc::Rc;
 
-/// Something that can be called, or passed to an iterator.
+/// Callable: the target of a call, or an argument of an iterator.
 #[derive(Clone, Debug)]
 pub(super) enum Callable {
-    /// A declaration, with the static arguments given so far and values for its ports.
+    /// Declaration with its static arguments so far and the values of fixed ports.
     Unit(DeclId, Rc<Statics>, Rc<[(Name, Fixed)]>),
-    /// A registered primitive.
+    /// Registered primitive.
     Prim(PrimId),
-    /// An operator.
+    /// Operator.
     Op(StaticOp),
-    /// An operator by name.
+    /// Operator called by name, such as `Lustre::iplus`.
     Predef(&'static Predef),
-    /// A predeclared operator.
+    /// Predeclared operator with its own checks.
     Special(Special),
-    /// An iterator with what it iterates.
+    /// Iterator with its callee and size.
     Iteration(Rc<Iteration>),
-    /// A node that nobody has given yet: only its ports are known.
+    /// Node parameter without a value: only its ports are known.
     Open(Rc<Header>),
 }
 
-/// What a port of something to call is given with its static arguments.
+/// Value of a port that a static argument fixes.
 #[derive(Clone, Debug)]
 pub(super) enum Fixed {
-    /// A value that is known when the program is checked.
+    /// Value known at compile time.
     Constant(Constant),
-    /// One that is known when the command is loaded: an expression of the body in which this stands.
+    /// Value known when the command is loaded: an expression of the body that contains the callable.
     Loaded(ExprId),
 }
 
 impl Callable {
-    /// A value that it is given and that only the body knows in which it stands.
+    /// Returns a fixed value that is only known in the body that contains the callable.
     pub(super) fn loaded(&self) -> Option<ExprId> {
         match self {
             Callable::Unit(_, _, fixed) => fixed.iter().find_map(|(_, fixed)| match fixed {
@@ -55,7 +55,7 @@ impl Callable {
         }
     }
 
-    /// What it is called in messages.
+    /// Returns the name for messages.
     pub(super) fn name(&self, program: &Program<'_>) -> String {
         match self {
             Callable::Unit(id, statics, _) => {
@@ -67,7 +67,7 @@ impl Callable {
         }
     }
 
-    /// How something that is there without a declaration is written.
+    /// Returns the source text of a callable that has no declaration; empty for declarations and iterators.
     pub(super) fn spelling(&self) -> String {
         match self {
             Callable::Prim(prim) => prim.desc().name.to_owned(),
@@ -81,6 +81,7 @@ impl Callable {
         }
     }
 
+    /// Appends the text that distinguishes this callable from others in keys of instances.
     pub(super) fn write_key(&self, out: &mut String) {
         match self {
             Callable::Unit(id, statics, fixed) => {

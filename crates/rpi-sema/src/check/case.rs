@@ -1,11 +1,12 @@
-//! Kind 2's way to sample what a case of a `merge` calls: `(activate f every c)(x)` there is `f(x when c)`.
+//! Activations in cases of a `merge`. In Kind 2, the case `(activate f every c)(x)` means `f(x when c)`.
 
 use super::body::Body;
 use crate::facts::literal;
 use crate::typed::{Activation, Call, ClockOn, ExprId, Kind};
 
 impl Body<'_, '_> {
-    /// A case of a `merge`: a call that runs when the case is on has the case's clock, and so have its arguments.
+    /// Gives a call in a case of a `merge` and its arguments the clock of the case, if the call is activated by the
+    /// same condition. Returns any other case as it is.
     pub(super) fn activated_by(&mut self, on: ExprId, value: u32, case: ExprId) -> ExprId {
         let Some((clock, call, restart)) = self.activation_of(on, value, case) else {
             return case;
@@ -30,7 +31,7 @@ impl Body<'_, '_> {
         self.add(Kind::Call(Box::new(call)), ty, span)
     }
 
-    /// The clock of a case, the call that it decides about, and when that starts afresh.
+    /// Returns the clock of a case, its call, and the restart condition of the call.
     fn activation_of(
         &self,
         on: ExprId,

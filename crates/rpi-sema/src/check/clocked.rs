@@ -1,4 +1,4 @@
-//! Sampled flows: `when`, `merge`, `current`, and `last` of automata.
+//! Operators on clocks: `when`, `merge`, `current`; and `last` in automata.
 
 use super::body::Body;
 use super::locals::Local;
@@ -11,7 +11,7 @@ use rpi_syntax::ast::{self, Clock, Ident, Merge, Tick, When};
 use std::rc::Rc;
 
 impl<'a> Body<'_, 'a> {
-    /// `x when c`
+    /// Checks `x when c`.
     pub(super) fn when(&mut self, when: &'a When, span: Span) -> ExprId {
         let value = self.expr(&when.value);
         let ty = self.ty_of(value).clone();
@@ -21,7 +21,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// A clock as it is written: the flow that decides, and for which of its values.
+    /// Resolves a clock: the flow that decides, and the value for which the clock is present.
     pub(super) fn clock_on(&mut self, clock: &Clock) -> Option<ClockOn> {
         self.unit.has_clocks = true;
         let flow = self.clock_flow(&clock.flow)?;
@@ -38,11 +38,11 @@ impl<'a> Body<'_, 'a> {
             let finding = Finding::new(Code::RPI2001, format!("expected `bool`, found `{ty}`"))
                 .at(
                     clock.flow.span,
-                    "a clock is a condition, or one value of an enum",
+                    "a clock must be a Boolean or one value of an enum",
                 )
                 .help(match ty {
-                    Ty::Enum(_) => format!("name the value: `A({})`", clock.flow.name),
-                    _ => "a condition gets a name first: `c = x > 0; y = e when c;`".to_owned(),
+                    Ty::Enum(_) => format!("give the enum value: `A({})`", clock.flow.name),
+                    _ => "define a Boolean flow first: `c = x > 0; y = e when c;`".to_owned(),
                 });
             self.report(finding);
             return None;
@@ -50,6 +50,7 @@ impl<'a> Body<'_, 'a> {
         Some(ClockOn { flow, value })
     }
 
+    /// Resolves the flow of a clock.
     fn clock_flow(&mut self, name: &Ident) -> Option<FlowId> {
         match self.find_local(&name.name) {
             Some(Local::Flow(flow)) => {
@@ -73,13 +74,14 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
+    /// Resolves a clock that is present for one value of an enum or Boolean.
     fn clock_value(&mut self, flow: FlowId, value: &Ident) -> Option<ClockOn> {
         let ty = self.unit.flow(flow).ty.clone();
         let value = self.case_value(&ty, value)?;
         Some(ClockOn { flow, value })
     }
 
-    /// A value of a Boolean or enum, as a number.
+    /// Returns the number of a Boolean or enum value.
     fn case_value(&mut self, ty: &Ty, value: &Ident) -> Option<u32> {
         let name = value.name.as_str();
         match ty {
@@ -89,9 +91,9 @@ impl<'a> Body<'_, 'a> {
             Ty::Unknown => None,
             _ => {
                 let finding =
-                    Finding::new(Code::RPI2006, format!("`{name}` is no value of `{ty}`")).at(
+                    Finding::new(Code::RPI2006, format!("`{name}` is not a value of `{ty}`")).at(
                         value.span,
-                        "a clock is a condition, or one value of an enum",
+                        "a clock must be a Boolean or one value of an enum",
                     );
                 self.report(finding);
                 None
@@ -111,7 +113,7 @@ impl<'a> Body<'_, 'a> {
         index
     }
 
-    /// `merge c (A -> x) (B -> y)`
+    /// Checks `merge c (A -> x) (B -> y)`.
     pub(super) fn merge(&mut self, merge: &'a Merge, span: Span) -> ExprId {
         self.unit.has_clocks = true;
         let on = self.expr(&merge.on);
@@ -135,7 +137,7 @@ impl<'a> Body<'_, 'a> {
                 }
             }
         }
-        // A case that is not known may be the one that is missing.
+        // Not reported beside an unknown case, which may be the missing one.
         if known {
             self.all_cases(&of, &cases, span);
         }
@@ -143,7 +145,7 @@ impl<'a> Body<'_, 'a> {
         self.add(Kind::Merge { on, cases }, ty, span)
     }
 
-    /// The type of what a `merge` chooses by; unknown if that is nothing to choose by, which is told once.
+    /// Returns the type of the condition of a `merge`; `Unknown` after the error about an unsuitable type.
     fn chosen_by(&mut self, on: ExprId) -> Ty {
         let ty = self.ty_of(on).clone();
         if matches!(ty, Ty::Bool | Ty::Enum(_) | Ty::Unknown) {
@@ -152,21 +154,23 @@ impl<'a> Body<'_, 'a> {
         if let Kind::Flow(flow) = self.unit.expr(on).kind {
             self.no_clocks.tell(&flow, self.findings.len());
         }
-        let message = format!("a `merge` chooses by a Boolean or an enum, not by `{ty}`");
+        let message = format!("expected a Boolean or an enum in `merge`, found `{ty}`");
         let finding =
             Finding::new(Code::RPI2006, message).at(self.span_of(on), format!("this is `{ty}`"));
-        self.report(finding.help("a value by a number is `if n = 0 then a else b`"));
+        self.report(finding.help("choose by a number with `if n = 0 then a else b`"));
         Ty::Unknown
     }
 
+    /// Returns the common type of the cases up to this one.
     fn case_type(&mut self, so_far: Ty, cases: &[(u32, ExprId)], then: ExprId) -> Ty {
         let Some((_, first)) = cases.first() else {
             return self.ty_of(then).clone();
         };
-        let common = self.common_type(*first, then, "all cases have one type");
+        let common = self.common_type(*first, then, "all cases must have the same type");
         join(&so_far, &common).unwrap_or(so_far)
     }
 
+    /// Reports missing cases of a `merge`.
     fn all_cases(&mut self, of: &Ty, cases: &[(u32, ExprId)], span: Span) {
         let names: Vec<&str> = match of {
             Ty::Bool => vec!["false", "true"],
@@ -184,35 +188,35 @@ impl<'a> Body<'_, 'a> {
         if !missing.is_empty() {
             let finding = Finding::new(
                 Code::RPI2011,
-                format!("the case {} is missing", listed(missing)),
+                format!("non-exhaustive `merge`: {} not covered", listed(missing)),
             )
-            .at(span, "a `merge` has one case for every value");
+            .at(span, "a `merge` needs a case for every value");
             self.report(finding);
         }
     }
 
-    /// `current x`
+    /// Checks `current x`.
     pub(super) fn current_of(&mut self, operand: &'a ast::Expr, span: Span) -> ExprId {
         self.has_state(span);
         self.unit.has_clocks = true;
         let operand = self.expr(operand);
         let ty = self.ty_of(operand).clone();
         if let (Ty::Tuple(_), true) = (&ty, self.is_rpi()) {
-            let finding = Finding::new(Code::RPI2006, format!("`current` can not take `{ty}`"))
+            let finding = Finding::new(Code::RPI2006, format!("`current` cannot take `{ty}`"))
                 .at(self.span_of(operand), "it takes one flow")
-                .help("with a first value it is `hold(x, 0)`: the latest value of `x`, 0 before there was one");
+                .help("use `hold(x, 0)` for an initial value: the latest value of `x`, 0 before the first one");
             return self.fault_with(finding, span);
         }
         self.add(Kind::Current(operand), ty, span)
     }
 
-    /// `last x`: of a flow that states share, its value in the previous cycle, whatever the state.
+    /// Checks `last x`. For a flow shared by states, it is the value of the previous cycle in whichever state that was.
     pub(super) fn last(&mut self, operand: &'a ast::Expr, span: Span) -> ExprId {
         self.has_state(span);
         if !is_name_or_field(operand) {
             let finding = Finding::new(Code::RPI2006, "`last` takes a flow or a field of one")
-                .at(operand.span, "this is computed from others")
-                .help("write `last` before each flow that is read in it");
+                .at(operand.span, "not a flow")
+                .help("write `last` before each flow of the expression");
             return self.fault_with(finding, span);
         }
         self.past += 1;
@@ -222,7 +226,7 @@ impl<'a> Body<'_, 'a> {
         self.add(Kind::Each(Each::Last, [operand].into()), ty, span)
     }
 
-    /// The flow as the automaton's surroundings see it, with the fields that are read of it.
+    /// Checks the operand of `last`. A flow of a state is replaced by the shared flow outside the automaton.
     fn last_operand(&mut self, operand: &'a ast::Expr) -> ExprId {
         if let ast::ExprKind::Field(field) = &operand.unparen().kind {
             let base = self.last_operand(&field.base);
@@ -240,8 +244,9 @@ impl<'a> Body<'_, 'a> {
         id
     }
 
-    /// The flow that a state's flow is a version of around as many automata as define it whatever their state, at least
-    /// around its own: that another state around lacks the flow takes nothing from those who have it.
+    /// Returns the outermost shared flow that a state's flow contributes to and that is defined in every state on the
+    /// way; at least that of its own automaton. A state of an outer automaton that does not define the flow does not
+    /// affect those that do.
     fn defined_around(&self, flow: FlowId) -> Option<FlowId> {
         let mut around = self.shared_around(flow);
         let first = around.next()?;
@@ -249,7 +254,7 @@ impl<'a> Body<'_, 'a> {
         Some(whole.last().unwrap_or(first))
     }
 
-    /// Whether an automaton has a state without this flow.
+    /// Whether an automaton has a state that leaves this flow absent.
     fn is_left_open(&self, flow: FlowId) -> bool {
         let block = self.unit.block(self.unit.flow(flow).block);
         let mut shared = block
@@ -260,7 +265,7 @@ impl<'a> Body<'_, 'a> {
     }
 }
 
-/// Whether it reads a flow, or part of one.
+/// Whether an expression reads a flow or a part of one.
 fn is_name_or_field(operand: &ast::Expr) -> bool {
     match &operand.unparen().kind {
         ast::ExprKind::Field(field) => is_name_or_field(&field.base),
@@ -270,7 +275,7 @@ fn is_name_or_field(operand: &ast::Expr) -> bool {
     }
 }
 
-/// A case that is given again.
+/// Returns the diagnostic for a duplicate case.
 pub(super) fn case_twice(name: &Ident, first: rpi_diag::Span) -> Finding {
     Finding::new(
         Code::RPI2011,

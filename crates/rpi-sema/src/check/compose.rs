@@ -11,21 +11,25 @@ use rpi_diag::{Code, Finding, Span};
 use rpi_syntax::ast::{self, Binary, FieldValue, Ident, StaticArg, StructExpr};
 use std::rc::Rc;
 
-/// The most elements of one array.
+/// Maximum length of an array.
 const MAX_LENGTH: i64 = MAX_LEAVES as i64;
 
 impl<'a> Body<'_, 'a> {
-    /// `[x, y]`
+    /// Checks an array literal `[x, y]`.
     pub(super) fn array(&mut self, elements: &'a [ast::Expr], span: Span) -> ExprId {
         let ids: Vec<ExprId> = elements.iter().map(|e| self.expr(e)).collect();
         let Some((first, rest)) = ids.split_first() else {
-            let finding = Finding::new(Code::RPI2007, "an array without elements has no type")
-                .at(span, "nothing in it");
+            let finding = Finding::new(Code::RPI2007, "cannot infer the type of an empty array")
+                .at(span, "no elements");
             return self.fault_with(finding, span);
         };
         let mut element = self.ty_of(*first).clone();
         for id in rest {
-            let common = self.common_type(*first, *id, "the elements of an array have one type");
+            let common = self.common_type(
+                *first,
+                *id,
+                "the elements of an array must have the same type",
+            );
             if element.is_unknown() {
                 element = common;
             }
@@ -34,7 +38,7 @@ impl<'a> Body<'_, 'a> {
         self.add_array(Kind::Build(ids.into()), Rc::new(element), n, span)
     }
 
-    /// An expression that is an array, if that is of a size that can be worked with.
+    /// Adds an expression of an array type; reports an array with too many leaves.
     pub(super) fn add_array(&mut self, kind: Kind, element: Rc<Ty>, n: u32, span: Span) -> ExprId {
         let ty = Ty::Array(element, n);
         match ty.leaf_count() > MAX_LEAVES {
@@ -43,7 +47,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// `x ^ n`
+    /// Checks the array of `n` equal elements, `x ^ n`.
     pub(super) fn repeat(&mut self, binary: &'a Binary, span: Span) -> ExprId {
         let element = self.expr(&binary.lhs);
         let Some(n) = self.size(&binary.rhs) else {
@@ -53,7 +57,7 @@ impl<'a> Body<'_, 'a> {
         self.add_array(Kind::Repeat(element), ty, n, span)
     }
 
-    /// `x | y`
+    /// Checks the concatenation of arrays, `x | y`.
     pub(super) fn concat(&mut self, binary: &'a Binary, span: Span) -> ExprId {
         let (left, right) = (self.expr(&binary.lhs), self.expr(&binary.rhs));
         let (a, b) = (self.ty_of(left).clone(), self.ty_of(right).clone());
@@ -61,10 +65,10 @@ impl<'a> Body<'_, 'a> {
             if a.is_unknown() || b.is_unknown() {
                 return self.fault(span);
             }
-            let finding = Finding::new(Code::RPI2006, format!("`|` can not take `{a}` and `{b}`"))
+            let finding = Finding::new(Code::RPI2006, format!("`|` cannot take `{a}` and `{b}`"))
                 .at(self.span_of(right), format!("this is `{b}`"))
                 .also(self.span_of(left), format!("this is `{a}`"))
-                .help("it joins arrays; for Booleans write `or`");
+                .help("`|` concatenates arrays; for Booleans write `or`");
             return self.fault_with(finding, span);
         };
         if let Err(misfit) = fit(a, b, &mut Subst::default()) {
@@ -76,17 +80,23 @@ impl<'a> Body<'_, 'a> {
         self.add_array(Kind::Build([left, right].into()), a.clone(), n, span)
     }
 
-    /// A size: a constant integer from 0 on.
+    /// Returns the value of a size, a constant non-negative integer; reports any other expression.
     pub(super) fn size(&mut self, size: &'a ast::Expr) -> Option<u32> {
         let told = self.findings.len();
         let Some(value) = self.integer(size) else {
-            // Another type has no way to be converted here.
+            // A conversion cannot be applied to a size, so that the fixes are replaced by a hint.
             for finding in self.findings.iter_mut().skip(told) {
                 if finding.code == Code::RPI2001 && finding.span() == size.span {
                     finding.fixes.clear();
+                    // Depends on the wording "expected X, found Y" of type mismatches.
                     finding.help = vec![match finding.message.ends_with("found `bool`") {
-                        true => "exclusive or is written `a xor b`; `x^3` is an array of 3 times `x`".to_owned(),
-                        false => "the size of an array is a constant integer; a power is written `x ** 2.0`".to_owned(),
+                        true => {
+                            "exclusive or is `a xor b`; `x^3` is an array of 3 times `x`".to_owned()
+                        }
+                        false => {
+                            "the size of an array must be a constant integer; a power is `x ** 2.0`"
+                                .to_owned()
+                        }
                     }];
                 }
             }
@@ -95,13 +105,13 @@ impl<'a> Body<'_, 'a> {
         if (0..=MAX_LENGTH).contains(&value) {
             return u32::try_from(value).ok();
         }
-        let finding = Finding::new(Code::RPI2009, format!("{value} is no size"))
-            .at(size.span, format!("a size lies from 0 to {MAX_LENGTH}"));
+        let finding = Finding::new(Code::RPI2009, format!("invalid array size {value}"))
+            .at(size.span, format!("expected a size from 0 to {MAX_LENGTH}"));
         self.report(finding);
         None
     }
 
-    /// `T{x = 1; y = 2}`, `T{s with x = 1}`
+    /// Checks a struct literal: `T{x = 1; y = 2}` or `T{s with x = 1}`.
     pub(super) fn structure(&mut self, value: &'a StructExpr, span: Span) -> ExprId {
         if let Some(spatial) = self.spatial_named(value) {
             return self.spatial_value(spatial, value, span);
@@ -127,6 +137,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
+    /// Resolves the struct type of a literal; reports a name that is not a struct.
     fn struct_ty(&mut self, name: &Ident, statics: &'a [StaticArg]) -> Option<Rc<StructTy>> {
         let Lookup::Found(id) = self
             .c
@@ -160,6 +171,7 @@ impl<'a> Body<'_, 'a> {
         None
     }
 
+    /// Checks the values of a struct literal and assigns them to the fields.
     fn given_fields(
         &mut self,
         ty: &Rc<StructTy>,
@@ -170,8 +182,8 @@ impl<'a> Body<'_, 'a> {
         self.matched_fields(ty, &values)
     }
 
-    /// For each field the value that is given for it. [`None`] if one is given under a name that none has: it is not
-    /// left out as well.
+    /// Returns the value of each field, `None` for a field without a value. Returns `None` after the error about an
+    /// unknown field, as that may be a missing one, misspelt.
     pub(super) fn matched_fields(
         &mut self,
         ty: &Rc<StructTy>,
@@ -196,7 +208,8 @@ impl<'a> Body<'_, 'a> {
         sound.then_some(given)
     }
 
-    /// Fields that are not given come from the base, or else have their defaults.
+    /// Returns the values of all fields. Fields without a value are taken from `base` or from their defaults; reports
+    /// missing ones.
     pub(super) fn fill_fields(
         &mut self,
         ty: &Rc<StructTy>,
@@ -233,12 +246,12 @@ impl<'a> Body<'_, 'a> {
         let finding = Finding::new(
             Code::RPI1010,
             format!(
-                "{} of `{}` left out",
+                "missing {} of `{}`",
                 super::report::listed(left_out),
                 ty.name
             ),
         )
-        .at(span, "not all fields are given");
+        .at(span, "all fields without a default are required");
         self.report(finding);
         None
     }

@@ -1,5 +1,5 @@
-//! `condact<<node, default>>(c, x, ...)` of Lustre V6: the node runs when c; before the first time the default, then what
-//! it gave the last time.
+//! `condact<<node, default>>(c, x, ...)` of Lustre V6: the node runs when `c` is true. The output is held between
+//! activations, and is `default` before the first one.
 
 use super::args::Given;
 use super::body::Body;
@@ -11,19 +11,19 @@ use rpi_diag::{Code, Finding, Span};
 use rpi_syntax::ast::{Call, Expr, StaticValue};
 
 impl<'a> Body<'_, 'a> {
-    /// A call of `condact`.
+    /// Checks a call of `condact` with static arguments.
     pub(super) fn condact_of(&mut self, call: &'a Call, span: Span) -> ExprId {
         let given = self.given(&call.args);
         let mut given = self.first_of_list(given).into_iter();
         let (Some(every), [callee, default]) = (given.next(), &call.callee.statics[..]) else {
-            let finding = Finding::new(Code::RPI1010, "`condact` lacks arguments")
-                .at(span, "not of the right form")
+            let finding = Finding::new(Code::RPI1010, "missing arguments of `condact`")
+                .at(span, "invalid arguments")
                 .help("write `condact<<node, default>>(condition, arguments)`");
             return self.fault_with(finding, span);
         };
         let StaticValue::Expr(default) = &default.value else {
             let finding = Finding::new(Code::RPI1010, "a value is expected here")
-                .at(default.span, "this is none");
+                .at(default.span, "not a value");
             return self.fault_with(finding, span);
         };
         let Some(callable) = self.static_callee(callee) else {
@@ -46,19 +46,19 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// The condition may come first in a list: what a call gives.
+    /// Decomposes the first argument, as the condition may be the first output of a call.
     fn first_of_list(&mut self, mut given: Vec<Given<'a>>) -> Vec<Given<'a>> {
         let rest = given.split_off(given.len().min(1));
         self.spread_tuples(given).into_iter().chain(rest).collect()
     }
 
-    /// The value before the first activation; between them it is that of the last.
+    /// Checks the value of the output before the first activation. Between activations the output is held.
     pub(super) fn held_before(&mut self, default: &'a Expr) -> ExprId {
         self.has_state(default.span);
         self.expr(default)
     }
 
-    /// An operator has no state: its value is there when the condition holds, and held else.
+    /// Checks `condact` of an operator, which has no state of its own: its value is held while the condition is false.
     fn held(
         &mut self,
         callable: &Callable,

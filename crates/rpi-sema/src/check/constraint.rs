@@ -1,7 +1,8 @@
-//! Constraints of type parameters, `<<type T: number>>`: which types may stand for `T`, and with that what a body may do with it.
+//! Constraints of type parameters, `<<type T: number>>`: the types allowed for `T`, and so the operators that a body
+//! may apply to its values.
 //!
-//! Without a constraint `T` is any type, and a body may do with its values what every type allows. There are three
-//! constraints and no more: each is a set of types on which the same operators have results of the same type.
+//! Without a constraint `T` is any type, and a body may only use what is defined for every type. There are exactly
+//! three constraints. Each is a set of types on which the same operators have results of the same type.
 
 use super::body::Body;
 use super::statics::{Param, Static, Statics};
@@ -13,24 +14,24 @@ use rpi_syntax::Name;
 use rpi_syntax::ast::Ident;
 use std::rc::Rc;
 
-/// Which types may stand for a type parameter.
+/// Set of types allowed for a type parameter.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Constraint {
-    /// All.
+    /// All types.
     Any,
     /// `int`, `time` and `real` of any unit.
     Number,
-    /// `int` and `real` without unit: products of such values are such values.
+    /// `int` and `real` without a unit. Unlike `Number`, this set is closed under products.
     Plain,
     /// `real` of any unit.
     Real,
 }
 
-/// The constraints that can be written, the one that admits most first.
+/// Constraints that can be written, largest set of types first.
 pub(super) const CONSTRAINTS: [Constraint; 3] =
     [Constraint::Number, Constraint::Real, Constraint::Plain];
 
-/// Their words, and the types that they admit.
+/// Returns the keyword of each constraint and a description of its types, for editors and documentation.
 pub(crate) fn constraints() -> impl Iterator<Item = (&'static str, &'static str)> {
     let all = CONSTRAINTS.into_iter();
     all.map(|constraint| (constraint.word(), constraint.described()))
@@ -41,7 +42,7 @@ impl Constraint {
         CONSTRAINTS.into_iter().find(|one| one.word() == word)
     }
 
-    /// As it is written.
+    /// Returns the keyword; empty for `Any`.
     pub(super) fn word(self) -> &'static str {
         match self {
             Constraint::Any => "",
@@ -51,7 +52,7 @@ impl Constraint {
         }
     }
 
-    /// The types that it admits, in words.
+    /// Returns a description of the allowed types, for messages.
     pub(super) fn described(self) -> &'static str {
         match self {
             Constraint::Any => "any type",
@@ -61,6 +62,7 @@ impl Constraint {
         }
     }
 
+    /// Whether the constraint allows a type.
     pub(super) fn admits(self, ty: &Ty) -> bool {
         match (self, ty) {
             (Constraint::Any, _) | (_, Ty::Unknown | Ty::Generic(_)) => true,
@@ -72,7 +74,8 @@ impl Constraint {
         }
     }
 
-    /// Types that stand for all that are admitted: what is right for these is right for each. The unit of reals is free.
+    /// Returns sample types: a body that is correct for these is correct for all allowed types. Reals have the free
+    /// unit `unit`.
     pub(super) fn samples(self, name: &Name, unit: Dim) -> Vec<Ty> {
         match self {
             Constraint::Any => vec![nothing_known(name)],
@@ -83,7 +86,7 @@ impl Constraint {
     }
 }
 
-/// A type of which nothing is known but its name.
+/// Returns an opaque type with this name.
 pub(super) fn nothing_known(name: &Name) -> Ty {
     Ty::Struct(Rc::new(StructTy {
         name: name.clone(),
@@ -92,13 +95,13 @@ pub(super) fn nothing_known(name: &Name) -> Ty {
     }))
 }
 
-/// The constraint that is written; any type after a fault.
+/// Returns the written constraint; `Any` without one or after an error.
 pub(super) fn written(constraint: Option<&Ident>) -> Constraint {
     let known = constraint.and_then(|ident| Constraint::of(&ident.name));
     known.unwrap_or(Constraint::Any)
 }
 
-/// There is no constraint of this name.
+/// Returns the diagnostic for an unknown constraint; `None` for a known one.
 pub(super) fn unknown(constraint: &Ident) -> Option<Finding> {
     let word = &constraint.name;
     if Constraint::of(word).is_some() {
@@ -106,19 +109,17 @@ pub(super) fn unknown(constraint: &Ident) -> Option<Finding> {
     }
     let words = CONSTRAINTS.map(Constraint::word);
     let near = rpi_diag::suggest(word, words.into_iter());
-    let finding = Finding::new(Code::RPI1001, format!("there is no constraint `{word}`"))
-        .at(constraint.span, "not known");
+    let finding = Finding::new(Code::RPI1001, format!("undefined constraint `{word}`"))
+        .at(constraint.span, "not a constraint");
     let finding = match near.is_none() {
-        true => {
-            finding.help("a type parameter is declared `number`, `real` or `plain`, or without any")
-        }
+        true => finding.help("use `number`, `real` or `plain`, or no constraint"),
         false => finding,
     };
     Some(finding.did_you_mean(constraint.span, near))
 }
 
 impl Body<'_, '_> {
-    /// Whether the types for which a callable is called satisfy its constraints; reports the first that does not.
+    /// Whether the static arguments of a callable satisfy its constraints; reports the first violation.
     pub(super) fn satisfies(&mut self, id: DeclId, statics: &Statics, span: Span) -> bool {
         for param in self.c.params_of(id) {
             let Param::Type(name, Some(constraint)) = param else {
@@ -141,16 +142,17 @@ impl Body<'_, '_> {
     }
 }
 
+/// Returns the diagnostic for a type that violates a constraint.
 fn violated(of: &Name, name: &Ident, wanted: Constraint, ty: &Ty) -> Finding {
-    let message = format!("`{of}` is not for values of type `{ty}`");
+    let message = format!("`{of}` is not defined for values of type `{ty}`");
     let finding = Finding::new(Code::RPI2019, message);
     match (wanted, ty) {
         (Constraint::Real, Ty::Int) => finding.help("convert the arguments: `real n`"),
         (Constraint::Plain, Ty::Real(dim)) => finding.help(format!(
-            "divided by a quantity in `{dim}` a value is a plain number"
+            "divide by a quantity in `{dim}` to get a plain number"
         )),
         _ => finding.help(format!(
-            "give values for which `{}` is {}",
+            "pass values for which `{}` is {}",
             name.name,
             wanted.described()
         )),

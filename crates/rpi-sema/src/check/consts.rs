@@ -1,4 +1,5 @@
-//! Constants: worked out by the same elaboration that makes nets, folded to nothing but values.
+//! Constants. They are evaluated by the same elaboration that builds nets: an expression is constant if it folds to
+//! values.
 
 use super::body::Body;
 use super::report::Wanted;
@@ -14,7 +15,7 @@ use rpi_syntax::ast;
 use std::rc::Rc;
 
 impl<'a> Checker<'a> {
-    /// The value of a constant declaration.
+    /// Returns the value of a constant or of the pose of a frame; `None` after an error.
     pub(super) fn constant(&mut self, id: DeclId) -> Option<Constant> {
         match self.constants.get(&id) {
             Some(Lazy::Done(constant)) => {
@@ -58,7 +59,8 @@ impl<'a> Checker<'a> {
         constant
     }
 
-    /// A constant of Lustre by itself: it, or one that it needs, may come from outside as long as no node needs it.
+    /// Checks a Lustre constant on its own. It, or a constant that it depends on, may lack a value as long as no node
+    /// needs it, so that this is only reported where it is used.
     pub(super) fn constant_alone(&mut self, id: DeclId) {
         let before = self.findings.len();
         self.constant(id);
@@ -76,11 +78,11 @@ impl<'a> Checker<'a> {
 }
 
 impl<'a> Body<'_, 'a> {
-    /// What a constant definition defines.
+    /// Returns the value of a constant definition.
     pub(super) fn constant_def(&mut self, def: &'a ast::ConstDef) -> Option<Constant> {
         let declared = def.ty.as_ref().map(|ty| self.ty(ty));
         let Some(value) = &def.value else {
-            // What is left of a broken text, or without a name, has been told.
+            // A definition with a syntax error has been reported.
             let is_broken = |ty: &ast::Type| matches!(ty.kind, ast::TypeKind::Broken);
             let is_whole = !def.ty.as_ref().is_some_and(is_broken);
             let name = def.names.first().filter(|_| is_whole)?;
@@ -105,7 +107,7 @@ impl<'a> Body<'_, 'a> {
         Some(Constant { ty, leaves })
     }
 
-    /// Where a frame lies in the one that it is placed in, if that is fixed.
+    /// Returns the pose of a frame in its parent frame, if the declaration gives one.
     fn pose_of_frame(
         &mut self,
         name: &rpi_syntax::Name,
@@ -125,7 +127,8 @@ impl<'a> Body<'_, 'a> {
         Some(Constant { ty, leaves })
     }
 
-    /// The value of a constant expression of a known type.
+    /// Returns the value of a constant expression of the given type; reports an expression of another type or that is
+    /// not constant.
     pub(super) fn constant_of(&mut self, value: &'a ast::Expr, ty: &Ty) -> Option<Rc<[Leaf]>> {
         let id = self.expr(value);
         if !self.expect(id, ty, &Wanted::Here) {
@@ -136,12 +139,12 @@ impl<'a> Body<'_, 'a> {
             .then_some(leaves)
     }
 
-    /// The value of a constant integer expression.
+    /// Returns the value of a constant integer expression.
     pub(super) fn integer(&mut self, value: &'a ast::Expr) -> Option<i64> {
         self.constant_of(value, &Ty::Int)?.first()?.as_int()
     }
 
-    /// A constant duration in nanoseconds.
+    /// Returns a constant duration in nanoseconds; `None` if it is negative or above 1e18.
     pub(super) fn nanoseconds(&mut self, value: &'a ast::Expr) -> Option<u64> {
         let seconds = self
             .constant_of(value, &Ty::Real(Dim::TIME))?
@@ -151,7 +154,7 @@ impl<'a> Body<'_, 'a> {
         (0.0..1e18).contains(&ns).then_some(ns as u64)
     }
 
-    /// The value of a constant expression; reports what is not constant in it.
+    /// Returns the value of a constant expression; reports the part that is not constant.
     pub(super) fn fold(&mut self, id: ExprId) -> Option<Rc<[Leaf]>> {
         match self.try_fold(id) {
             Ok(leaves) => Some(leaves),
@@ -159,31 +162,33 @@ impl<'a> Body<'_, 'a> {
             Err(NotConstant::Flow(span)) => {
                 self.report(
                     Finding::new(Code::RPI2008, "a constant is needed here")
-                        .at(span, "this is known only while the program runs")
-                        .also(self.span_of(id), "needed when the program is checked"),
+                        .at(span, "this is only known at run time")
+                        .also(self.span_of(id), "needed at compile time"),
                 );
                 None
             }
             Err(NotConstant::Fault(span, what)) => {
                 self.report(
-                    Finding::new(Code::RPI2010, what).at(span, "while working out this constant"),
+                    Finding::new(Code::RPI2010, what).at(span, "while evaluating this constant"),
                 );
                 None
             }
         }
     }
 
-    /// The value of an expression if it is constant.
+    /// Returns the value of an expression if it is constant, without reporting an error.
     pub(super) fn fold_quietly(&mut self, id: ExprId) -> Option<Rc<[Leaf]>> {
         self.try_fold(id).ok()
     }
 
+    /// Returns the value of an expression, or why it is not constant.
     pub(super) fn try_fold(&mut self, id: ExprId) -> Result<Rc<[Leaf]>, NotConstant> {
         match &self.unit.expr(id).kind {
             Kind::Literal(leaf) => return Ok([leaf.clone()].into()),
             Kind::Const(leaves) => return Ok(leaves.clone()),
             _ => {}
         }
+        // Elaboration inlines calls, so that the called units must be checked first.
         for unit in called(&self.unit, id) {
             self.c.check_now(unit);
         }
@@ -191,18 +196,18 @@ impl<'a> Body<'_, 'a> {
     }
 }
 
-/// A Lustre program may have constants from outside; here nothing gives them.
+/// Returns the diagnostic for a constant without a value. Lustre allows such constants as external ones.
 fn no_value(name: &ast::Ident, is_rpi: bool) -> Finding {
     let code = match is_rpi {
         true => Code::RPI1009,
         false => Code::RPI1012,
     };
     Finding::new(code, format!("the constant `{}` has no value", name.name))
-        .at(name.span, "its value would have to come from outside")
-        .help("give it one: `= ...`")
+        .at(name.span, "external constants are not supported")
+        .help("add a value: `= ...`")
 }
 
-/// The units that an expression calls.
+/// Returns the units that an expression calls.
 fn called(unit: &Unit, id: ExprId) -> Vec<UnitId> {
     let mut found = Vec::new();
     let mut parts = unit.parts(id);

@@ -1,7 +1,8 @@
-//! Contracts: what the caller sees to, what the body sees to, and what holds in which mode.
+//! Contracts: assumptions that the caller must satisfy, guarantees that the body must satisfy, and modes.
 //!
-//! A contract is a block of its own inside what it is about: its names are seen by nothing else, so that it can be left
-//! out as a whole. A mode's `ensure` becomes a guarantee under the mode's `require`; and in every cycle some mode applies.
+//! A contract is a block inside the body that it describes. Nothing outside of it reads its names, so that it can be
+//! omitted as a whole. The `ensure` of a mode becomes a guarantee under the condition of the mode's `require`; in every
+//! cycle at least one mode must apply.
 
 use super::body::Body;
 use super::bound::Unwatched;
@@ -13,7 +14,7 @@ use rpi_syntax::ast::{self, Contract, ContractMode, Locals};
 use rpi_syntax::ops::BinaryOp;
 
 impl<'a> Body<'_, 'a> {
-    /// Declares the names of a contract of the current block.
+    /// Declares the names of a contract of the current block and returns its block.
     pub(super) fn declare_contract(&mut self, contract: &'a Contract) -> BlockId {
         let block = self.add_block(&Name::from("contract"), contract.span);
         self.unit.blocks[block.0 as usize].is_contract = true;
@@ -37,7 +38,7 @@ impl<'a> Body<'_, 'a> {
         block
     }
 
-    /// What a contract defines for itself is not called like what it speaks of: that would be hidden from its claims.
+    /// Reports a local name of a contract that is also the name of a port: the port would be hidden from the claims.
     fn hides_no_port(&mut self, name: &ast::Ident) {
         let is_twice_here = self.find_in(self.block, &name.name).is_some();
         if let Some(port) = self.port_called(&name.name).filter(|_| !is_twice_here) {
@@ -46,15 +47,15 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// The place of the flow around a contract that bears a name. The ports of a contract by itself are those of whoever
-    /// takes it up.
+    /// Returns the location of the flow around a contract that has this name. The in-ports of a declared contract do
+    /// not count, as they belong to the importing node.
     fn port_called(&self, name: &Name) -> Option<Span> {
         let flow = self.local_flow(name).map(|flow| self.unit.flow(flow));
         let flow = flow.filter(|flow| !self.is_contract || flow.role != FlowRole::Input);
         flow.map(|flow| flow.span)
     }
 
-    /// The names of modes are like those of flows.
+    /// Records the modes of a contract; reports a mode with the name of another mode or of a flow.
     fn name_modes(&mut self, contract: &'a Contract) {
         for (k, mode) in contract.modes.iter().enumerate() {
             let name = &mode.name;
@@ -70,7 +71,7 @@ impl<'a> Body<'_, 'a> {
         self.modes = contract.modes.iter().collect();
     }
 
-    /// `::m`: whether a mode of the contract applies; `::c::m`: one of a contract that is taken up.
+    /// Checks `::m`, whether a mode of the contract applies, or `::c::m` for a mode of an imported contract.
     pub(super) fn mode_applies(&mut self, name: &str, span: Span) -> ExprId {
         if let Some((contract, mode)) = name.split_once("::") {
             return self.imported_mode_applies(contract, mode, span);
@@ -90,12 +91,9 @@ impl<'a> Body<'_, 'a> {
             if std::mem::replace(&mut self.ringed_modes, true) {
                 return self.fault(span);
             }
-            let message = format!("the mode `{name}` needs itself");
+            let message = format!("dependency cycle: the mode `{name}` depends on itself");
             let finding = Finding::new(Code::RPI1007, message)
-                .at(
-                    span,
-                    format!("to know whether `{name}` applies, it must be known"),
-                )
+                .at(span, format!("the condition of `{name}` reads it"))
                 .also(mode.name.span, "declared here");
             return self.fault_with(finding, span);
         }
@@ -105,7 +103,7 @@ impl<'a> Body<'_, 'a> {
         applies
     }
 
-    /// The condition under which a mode applies.
+    /// Returns the condition under which a mode applies: the conjunction of its requirements.
     fn requirements(&mut self, mode: &'a ContractMode) -> ExprId {
         let requires = mode.requires.iter();
         let requires = requires
@@ -114,7 +112,7 @@ impl<'a> Body<'_, 'a> {
         self.all(BinaryOp::And, requires, mode.name.span)
     }
 
-    /// Checks the claims of a contract, in its block.
+    /// Checks the claims and modes of a contract in its block.
     pub(super) fn check_contract(&mut self, contract: &'a Contract) {
         for claim in &contract.claims {
             self.check_claim(claim, claim.condition.span);
@@ -139,7 +137,7 @@ impl<'a> Body<'_, 'a> {
         });
     }
 
-    /// Checks a mode; gives the condition under which it applies.
+    /// Checks a mode and returns the condition under which it applies.
     fn check_mode(&mut self, mode: &'a ContractMode) -> ExprId {
         self.open_modes.push(mode.name.name.clone());
         let applies = self.requirements(mode);
@@ -161,7 +159,7 @@ impl<'a> Body<'_, 'a> {
         applies
     }
 
-    /// Conditions joined; true if there are none.
+    /// Joins conditions by an operator; returns `true` if there are none.
     fn all(&mut self, by: BinaryOp, conditions: Vec<ExprId>, span: Span) -> ExprId {
         let joined = conditions
             .into_iter()
@@ -169,7 +167,7 @@ impl<'a> Body<'_, 'a> {
         joined.unwrap_or_else(|| self.add(Kind::Literal(Leaf::bool(true)), Ty::Bool, span))
     }
 
-    /// The condition of a claim; none if no run can show whether it holds.
+    /// Checks the condition of a claim; returns `None` if no run can evaluate it.
     fn watched(&mut self, condition: &'a ast::Expr) -> Option<ExprId> {
         let before = self.findings.len();
         self.claim = Some(Unwatched::default());
@@ -179,20 +177,20 @@ impl<'a> Body<'_, 'a> {
         };
         if !self.has_error_since(before) {
             self.report(
-                Finding::new(Code::RPI1013, "this claim is not watched")
-                    .at(span, "it speaks of more values than can be looked at"),
+                Finding::new(Code::RPI1013, "this claim is not checked at run time")
+                    .at(span, "it ranges over more values than can be tested"),
             );
         }
         None
     }
 
-    /// A claim in a body or contract.
+    /// Checks a claim in a body or contract.
     pub(super) fn check_claim(&mut self, claim: &'a ast::Claim, span: Span) {
         let Some(mut condition) = self.watched(&claim.condition) else {
             return;
         };
         if let Some(provided) = &claim.provided {
-            let provided = self.condition(provided, "what stands after `provided`");
+            let provided = self.condition(provided, "the expression after `provided`");
             condition = self.binary_prim(BinaryOp::Implies, provided, condition, span);
         }
         self.current().claims.push(Claim {

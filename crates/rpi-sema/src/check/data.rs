@@ -1,7 +1,8 @@
-//! Types with parameters, and datatypes: alternatives with parts, made, asked for and taken apart.
+//! Types with parameters, and datatypes: alternatives with parts, which are constructed, tested and matched.
 //!
-//! A value of a datatype is a struct: which alternative it is, then the parts of all alternatives; parts of others are 0.
-//! So it has a size that is known, and two values are equal if they look equal. A datatype that holds itself has no such size.
+//! A value of a datatype is a struct: the tag of its alternative, then the parts of all alternatives. The parts of the
+//! other alternatives are 0, so that equal values have equal structs. The size is fixed, so that a datatype cannot
+//! contain itself.
 
 use super::body::Body;
 use super::report::{Wanted, listed, unknown};
@@ -16,11 +17,11 @@ use rpi_syntax::ast::{
 };
 use std::rc::Rc;
 
-/// The part that says which alternative a value is.
+/// Name of the member that holds the alternative of a value.
 pub(super) const TAG: &str = "tag";
 
 impl<'a> Body<'_, 'a> {
-    /// What a declared type stands for with these arguments.
+    /// Returns the instance of a declared type for these arguments; reports a wrong number of arguments.
     pub(super) fn type_of(&mut self, id: DeclId, args: &'a [StaticArg], span: Span) -> Ty {
         let names = self.type_params(id);
         if self.c.temporal.contains(&id) {
@@ -29,13 +30,13 @@ impl<'a> Body<'_, 'a> {
         if names.len() != args.len() {
             let decl = self.c.program.decl(id);
             let message = format!(
-                "`{}` takes {}, {} given",
+                "`{}` takes {}, found {}",
                 decl.name,
-                rpi_diag::counted(names.len(), "type"),
+                rpi_diag::counted(names.len(), "type argument"),
                 args.len()
             );
             let finding = Finding::new(Code::RPI1010, message)
-                .at(span, "wrong number of types")
+                .at(span, "wrong number of type arguments")
                 .also(decl.span, "declared here");
             self.report(finding);
             return Ty::Unknown;
@@ -54,6 +55,7 @@ impl<'a> Body<'_, 'a> {
         ty
     }
 
+    /// Returns the names of the type parameters of a declared type.
     fn type_params(&self, id: DeclId) -> Vec<Name> {
         let DeclKind::Type(def) = self.c.program.decl(id).kind else {
             return Vec::new();
@@ -65,14 +67,14 @@ impl<'a> Body<'_, 'a> {
             .collect()
     }
 
-    /// A type whose parameters are still open.
+    /// Returns a declared type with its parameters still unknown.
     fn open_type(&mut self, id: DeclId) -> Ty {
         let names = self.type_params(id).into_iter();
         let statics = names.map(|name| (name.clone(), Static::Ty(Ty::Generic(name))));
         self.c.type_instance(id, Rc::new(statics.collect()))
     }
 
-    /// The type once its parameters are known; none if they are not.
+    /// Returns a declared type with the inferred parameters; `None` if some are not inferred.
     fn closed_type(&mut self, id: DeclId, subst: &Subst) -> Option<Ty> {
         let mut statics = Statics::new();
         for name in self.type_params(id) {
@@ -82,7 +84,7 @@ impl<'a> Body<'_, 'a> {
         Some(self.c.type_instance(id, Rc::new(statics)))
     }
 
-    /// The declaration of a struct with parameters of which a value says none.
+    /// Returns the declaration of a generic struct if a literal does not give its type arguments.
     pub(super) fn generic_struct(&mut self, value: &StructExpr) -> Option<DeclId> {
         if !value.statics.is_empty() {
             return None;
@@ -97,7 +99,7 @@ impl<'a> Body<'_, 'a> {
         (!self.type_params(id).is_empty()).then_some(id)
     }
 
-    /// A struct whose parameters are what its fields tell.
+    /// Checks a literal of a generic struct and infers its type arguments from the fields.
     pub(super) fn inferred_struct(
         &mut self,
         id: DeclId,
@@ -143,15 +145,16 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
+    /// Reports type arguments that cannot be inferred.
     fn untold_params(&mut self, name: &Ident, span: Span) -> ExprId {
-        let message = format!("nothing tells the types that `{}` takes", name.name);
+        let message = format!("cannot infer the type arguments of `{}`", name.name);
         let finding = Finding::new(Code::RPI2007, message)
-            .at(name.span, "no part of it has them")
-            .help(format!("say them: `{}@<int>`", name.name));
+            .at(name.span, "no part of this value has these types")
+            .help(format!("give them explicitly: `{}@<int>`", name.name));
         self.fault_with(finding, span)
     }
 
-    /// The meaning of a `datatype`: an enum where no alternative has parts.
+    /// Returns the type that a `datatype` defines: an enum if no alternative has parts, else a struct.
     pub(super) fn data_meaning(
         &mut self,
         def: &'a TypeDef,
@@ -194,6 +197,7 @@ impl<'a> Body<'_, 'a> {
         }))
     }
 
+    /// Returns the alternatives of a `datatype`; empty for any other declaration.
     fn constructors(&self, id: DeclId) -> &'a [Constructor] {
         match self.c.program.decl(id).kind {
             DeclKind::Type(def) => match def.ty.as_ref().map(|ty| &ty.kind) {
@@ -209,7 +213,7 @@ impl<'a> Body<'_, 'a> {
         !self.constructors(id).is_empty()
     }
 
-    /// Where among the fields of the struct those of an alternative begin, and how many there are.
+    /// Returns the index of the first field of an alternative in the struct, and the number of its fields.
     pub(super) fn parts_of_constructor(&self, ty: DeclId, index: u32) -> (usize, usize) {
         let count = |c: &Constructor| {
             c.fields
@@ -223,7 +227,7 @@ impl<'a> Body<'_, 'a> {
         (1 + before, all.get(index).map_or(0, count))
     }
 
-    /// `A(x, y)`, `A@<int>`
+    /// Checks the construction of a value of a datatype: `A(x, y)` or `A@<int>`.
     pub(super) fn construct(
         &mut self,
         (id, index): (DeclId, u32),
@@ -269,6 +273,7 @@ impl<'a> Body<'_, 'a> {
         self.add(Kind::Build(parts.into()), Ty::Struct(ty), span)
     }
 
+    /// Reports a wrong number of parts of an alternative.
     pub(super) fn wrong_parts(
         &mut self,
         name: &Ident,
@@ -277,7 +282,7 @@ impl<'a> Body<'_, 'a> {
         span: Span,
     ) -> ExprId {
         let message = format!(
-            "`{}` has {}, {given} given",
+            "`{}` takes {}, found {given}",
             name.name,
             rpi_diag::counted(count, "part")
         );
@@ -287,7 +292,7 @@ impl<'a> Body<'_, 'a> {
         self.fault_with(finding, span)
     }
 
-    /// The alternatives of a value's type, and which one the value is.
+    /// Returns the alternatives of a value's type and the expression of its tag; reports a value of another type.
     pub(super) fn alternatives(&mut self, value: ExprId) -> Option<(Rc<EnumTy>, ExprId)> {
         let span = self.span_of(value);
         let tag = match self.ty_of(value).clone() {
@@ -306,12 +311,13 @@ impl<'a> Body<'_, 'a> {
         let ty = self.ty_of(value).clone();
         if !ty.is_unknown() {
             let finding = Finding::new(Code::RPI2001, format!("expected a datatype, found `{ty}`"))
-                .at(span, format!("this is `{ty}`, which has no alternatives"));
+                .at(span, format!("this is `{ty}`"));
             self.report(finding);
         }
         None
     }
 
+    /// Adds the test of a tag for one alternative.
     pub(super) fn is_alternative(
         &mut self,
         all: &Rc<EnumTy>,
@@ -327,14 +333,15 @@ impl<'a> Body<'_, 'a> {
         self.binary_prim(rpi_syntax::ops::BinaryOp::Eq, tag, index, span)
     }
 
+    /// Reports an unknown alternative.
     pub(super) fn no_alternative(&mut self, all: &EnumTy, name: &Ident) {
         let near = rpi_diag::suggest(&name.name, all.values.iter().map(Name::as_str));
         let finding = unknown("alternative", &name.name, name.span, near);
         let names = listed(all.values.iter().map(Name::as_str));
-        self.report(finding.help(format!("`{}` has {names}", all.name)));
+        self.report(finding.help(format!("the alternatives of `{}` are {names}", all.name)));
     }
 
-    /// `A?(x)`
+    /// Checks the test for an alternative, `A?(x)`.
     pub(super) fn is_a(&mut self, of: &'a IsA, span: Span) -> ExprId {
         let value = self.expr(&of.value);
         let Some((all, tag)) = self.alternatives(value) else {
@@ -354,7 +361,7 @@ impl<'a> Body<'_, 'a> {
     }
 }
 
-/// The parts of alternatives that a value is not.
+/// Returns the zero value of a type.
 fn zeros(ty: &Ty) -> Rc<[Leaf]> {
     let mut leaves = Vec::with_capacity(ty.leaf_count());
     ty.leaves(&mut |_, ty| {
@@ -367,7 +374,7 @@ fn zeros(ty: &Ty) -> Rc<[Leaf]> {
     leaves.into()
 }
 
-/// Stands in the parts of the alternatives that a value is not: zeros, or what is nearest to zero in a subrange.
+/// Returns the value of the parts of other alternatives: zeros, or the value nearest to zero in a subrange.
 fn filling(ty: &Ty) -> Rc<[Leaf]> {
     let mut leaves = zeros(ty).to_vec();
     for (at, range) in ty.subranges(true) {

@@ -1,8 +1,8 @@
-//! Defaults beside automata (M14.5): an equation in the block of an automaton for a flow that its states define, too, says
-//! what the flow is in the states that do not define it, as in SCADE and Heptagon.
+//! Defaults of flows that automata define (M14.5). An equation beside an automaton for a flow that its states also
+//! define gives the value in the states that do not define it, as in SCADE and Heptagon.
 //!
-//! Such an equation defines a flow of its own, which has no name in the program; the automaton chooses between that and
-//! the flows of its states. So the checks that every flow is defined once, and wholly, hold for both as they are.
+//! The equation defines a separate unnamed flow; the automaton chooses between this flow and those of its states. The
+//! checks that every flow is defined exactly once therefore need no special case.
 
 use super::automaton::candidates;
 use super::body::Body;
@@ -13,7 +13,7 @@ use rpi_syntax::Name;
 use rpi_syntax::ast::{Ident, Statement, StatementKind};
 
 impl Body<'_, '_> {
-    /// Declares the flows of the equations in the current block that are defaults.
+    /// Declares the flows of those equations in the current block that are defaults.
     pub(super) fn declare_defaults(&mut self, statements: &[Statement]) {
         let shared = defined_by_states(statements);
         if shared.is_empty() {
@@ -26,10 +26,11 @@ impl Body<'_, '_> {
         }
     }
 
+    /// Declares the default flow for a flow that states share.
     fn declare_default(&mut self, name: &Ident) {
         let shared = match self.find_in(self.block, &name.name) {
             Some(Local::Flow(flow)) if self.unit.flow(flow).role.has_equation() => flow,
-            // What no equation may define has no default, either.
+            // A name that no equation may define, such as an in-port, has no default either.
             Some(_) => return,
             None => {
                 self.hides_no_constant(name);
@@ -42,7 +43,7 @@ impl Body<'_, '_> {
         }
     }
 
-    /// The flow that an equation in the current block defines where it names `flow`.
+    /// Returns the flow that an equation for `flow` in the current block defines: the default flow, if there is one.
     pub(super) fn defined_here(&self, flow: FlowId) -> FlowId {
         match self.defaults.get(&flow) {
             Some(default) if self.unit.flow(*default).block == self.block => *default,
@@ -50,14 +51,14 @@ impl Body<'_, '_> {
         }
     }
 
-    /// The default of a flow that states share: its own, or that of the flow around these states to which it contributes.
+    /// Returns the default of a shared flow: its own, or that of an outer shared flow to which it contributes.
     pub(super) fn default_beside(&self, flow: FlowId) -> Option<FlowId> {
         let mut around = std::iter::once(flow).chain(self.shared_around(flow));
         around.find_map(|flow| self.defaults.get(&flow).copied())
     }
 }
 
-/// The names that the states of a body's automata define and do not declare.
+/// Returns the names that the states of a body's automata define and do not declare.
 fn defined_by_states(statements: &[Statement]) -> Set<&Name> {
     let automata = statements.iter().filter_map(|s| match &s.kind {
         StatementKind::Automaton(automaton) => Some(&**automaton),
@@ -67,7 +68,7 @@ fn defined_by_states(statements: &[Statement]) -> Set<&Name> {
     names.map(|name| &name.name).collect()
 }
 
-/// The names on the left of a body's equations, also those defined part by part.
+/// Returns the names on the left sides of a body's equations, including those defined part by part.
 fn defined_by_equations(statements: &[Statement]) -> impl Iterator<Item = &Ident> {
     let equations = statements.iter().filter_map(|s| match &s.kind {
         StatementKind::Equation(equation) => Some(&**equation),

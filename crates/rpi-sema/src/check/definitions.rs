@@ -1,11 +1,11 @@
-//! Every flow is defined, and once.
+//! Check that every flow and actuator port is defined exactly once.
 
 use super::body::Body;
 use crate::typed::{self, Block, BlockId, FlowId, Optional, Place, Shared, Target, Unit};
 use rpi_diag::{Code, Finding, Span};
 
 impl Body<'_, '_> {
-    /// Checks that every flow is defined, and once.
+    /// Reports flows that are not defined exactly once.
     pub(super) fn check_definitions(&mut self) {
         let mut parts = self.defined_parts();
         parts.sort_unstable_by_key(|part| (part.flow, part.at, part.span));
@@ -22,8 +22,8 @@ impl Body<'_, '_> {
         self.check_actuators();
     }
 
-    /// A port of an actuator is defined once. That two ports of one actuator are never driven together is for the passes
-    /// over the net to prove: it depends on when fragments are active.
+    /// Reports actuator ports that are defined twice. Conflicts between the ports of one actuator depend on when
+    /// fragments are active, and are checked by the passes over the net.
     fn check_actuators(&mut self) {
         let mut defined: Vec<((FlowId, u32), Span, BlockId)> = Vec::new();
         let blocks = (0..).map(BlockId).zip(&self.unit.blocks);
@@ -44,9 +44,9 @@ impl Body<'_, '_> {
                 Some((_, first, other)) => {
                     let help = match self.is_state(block) && self.is_state(*other) {
                         true => {
-                            "let the states define one flow of the same name, and the port outside of them by that flow"
+                            "define one flow in all states, and define the port by that flow outside of the automaton"
                         }
-                        false => "merge the alternatives into one definition by `??`",
+                        false => "merge the alternatives into one equation by `??`",
                     };
                     findings.push(actuator_twice(&name, target.span, *first).help(help));
                 }
@@ -56,6 +56,7 @@ impl Body<'_, '_> {
         self.findings.append(&mut findings);
     }
 
+    /// Returns all parts of flows that equations or automata define.
     fn defined_parts(&self) -> Vec<DefinedPart> {
         let mut parts = Vec::new();
         for block in &self.unit.blocks {
@@ -70,7 +71,8 @@ impl Body<'_, '_> {
         parts
     }
 
-    /// The whole of a flow, told where the first state does that defines it.
+    /// Returns the definition of a shared flow by an automaton. Its location is that of the first state that defines
+    /// the flow.
     fn by_states(&self, shared: &Shared) -> DefinedPart {
         let count = self.unit.flow(shared.flow).ty.leaf_count();
         let first = shared.states.first().unwrap_or(&shared.flow);
@@ -84,17 +86,19 @@ impl Body<'_, '_> {
     }
 }
 
-/// Leaves of a flow that an equation defines.
+/// Part of a flow that an equation or an automaton defines: `count` leaves from leaf `at` on.
 #[derive(Clone, Copy)]
 struct DefinedPart {
     flow: FlowId,
     at: u32,
     count: u32,
     span: Span,
+    /// Whether the states of an automaton define it.
     by_states: bool,
 }
 
 impl DefinedPart {
+    /// Returns the part that a target defines; `None` if it is not a flow.
     fn of(target: &Target) -> Option<DefinedPart> {
         let Place::Flow { flow, at } = target.place else {
             return None;
@@ -109,16 +113,16 @@ impl DefinedPart {
     }
 }
 
-/// What is wrong with the definitions of a flow; `parts` are sorted by place.
+/// Returns the diagnostic for a flow that is defined twice or not completely. `parts` must be sorted by `at`.
 fn definition_fault(unit: &Unit, id: FlowId, parts: &[DefinedPart]) -> Option<Finding> {
     let flow = unit.flow(id);
     for pair in parts.windows(2) {
         if pair[0].at + pair[0].count > pair[1].at {
             let help = match pair[0].by_states && pair[1].by_states {
                 true => {
-                    "states of several automata define it; is it one of the state alone? then declare it there, by `var`"
+                    "states of several automata define it; declare it in the state by `var` if it is local to the state"
                 }
-                false => "a flow has one equation; merge the alternatives by `if` or `??`",
+                false => "merge the alternatives into one equation by `if` or `??`",
             };
             return Some(defined_twice(flow, pair[1].span, pair[0].span).help(help));
         }
@@ -130,7 +134,7 @@ fn definition_fault(unit: &Unit, id: FlowId, parts: &[DefinedPart]) -> Option<Fi
 fn actuator_twice(port: &str, again: Span, first: Span) -> Finding {
     Finding::new(
         Code::RPI6002,
-        format!("the actuator behind `{port}` is defined twice"),
+        format!("the actuator port `{port}` is defined twice"),
     )
     .at(again, "defined again here")
     .also(first, "first defined here")
@@ -142,7 +146,8 @@ fn defined_twice(flow: &typed::Flow, again: Span, first: Span) -> Finding {
         .also(first, "first defined here")
 }
 
-/// The fragment in place with a flow of its own of the name of one around it that it may be taken for.
+/// Returns a flow of an inline fragment that has the same name as an undefined flow around the fragment, with the
+/// fragment's block. Its equation was probably meant for the outer flow.
 fn taken_for(unit: &Unit, id: FlowId) -> Option<(&typed::Flow, &Block)> {
     let flow = unit.flow(id);
     let alike = unit.flows.iter().filter(|other| other.name == flow.name);
@@ -150,6 +155,7 @@ fn taken_for(unit: &Unit, id: FlowId) -> Option<(&typed::Flow, &Block)> {
     inside.find(|(_, block)| block.when.is_some() && block.parent == Some(flow.block))
 }
 
+/// Returns the diagnostic for a flow that is not, or not completely, defined.
 fn undefined(unit: &Unit, id: FlowId, parts: &[DefinedPart]) -> Finding {
     let flow = unit.flow(id);
     let finding = Finding::new(Code::RPI1009, format!("`{}` is never defined", flow.name));
@@ -160,21 +166,21 @@ fn undefined(unit: &Unit, id: FlowId, parts: &[DefinedPart]) -> Finding {
                 _ => "",
             };
             finding
-                .at(flow.span, "declared here, but no equation defines it")
+                .at(flow.span, "no equation defines it")
                 .also(
                     own.span,
                     format!(
-                        "a flow of the fragment `{}`, absent while that is inactive",
+                        "local flow of the fragment `{}`, absent while it is inactive",
                         block.name
                     ),
                 )
                 .help(format!(
-                    "take it from there: `{0} = {1}.{0}{otherwise};`",
+                    "use the fragment's flow: `{0} = {1}.{0}{otherwise};`",
                     flow.name, block.name
                 ))
         }
         None => finding
-            .at(flow.span, "declared here, but no equation defines it")
+            .at(flow.span, "no equation defines it")
             .help(format!("add an equation `{} = ...;`", flow.name)),
         Some(part) => Finding::new(
             Code::RPI1009,

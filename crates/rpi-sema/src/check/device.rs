@@ -1,4 +1,4 @@
-//! Device types.
+//! Resolution of device types.
 
 use super::body::Body;
 use super::instance::key;
@@ -12,7 +12,7 @@ use rpi_syntax::ast::{DeviceDecl, DeviceSection, NamedType, PortKind, Type, Type
 use std::rc::Rc;
 
 impl<'a> Body<'_, 'a> {
-    /// A device type where it is named. What its parameters leave open comes with the cell.
+    /// Resolves a device type with its arguments. The cell description gives the parameters that are left open.
     pub(super) fn device_ty(
         &mut self,
         id: DeclId,
@@ -27,12 +27,14 @@ impl<'a> Body<'_, 'a> {
 }
 
 impl<'a> Checker<'a> {
+    /// Checks a device declaration on its own.
     pub(super) fn device_alone(&mut self, id: DeclId, decl: &'a DeviceDecl) {
         let mut statics = Statics::new();
         self.complete(id, &mut statics);
         self.device(id, decl, &Rc::new(statics));
     }
 
+    /// Returns the instance of a device type for these static arguments.
     fn device(&mut self, id: DeclId, decl: &'a DeviceDecl, statics: &Rc<Statics>) -> Ty {
         let key = key(id, statics);
         if let Some(Lazy::Done(Some(ty))) = self.types.get(&key) {
@@ -54,6 +56,7 @@ impl<'a> Checker<'a> {
 }
 
 impl<'a> Body<'_, 'a> {
+    /// Returns the ports of a device declaration. Ports with the same actuator number belong to one actuator.
     fn device_ports(&mut self, decl: &'a DeviceDecl) -> Vec<DevicePortTy> {
         let mut ports = Vec::new();
         let mut actuator = 0;
@@ -63,6 +66,7 @@ impl<'a> Body<'_, 'a> {
         ports
     }
 
+    /// Adds the ports of a section; `actuator` is the number of the next actuator.
     fn section_ports(
         &mut self,
         section: &'a DeviceSection,
@@ -87,6 +91,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
+    /// Adds the ports of one alternative of an actuator, or of a sensor declaration.
     fn alternative_ports(
         &mut self,
         decl: &'a VarDecl,
@@ -99,7 +104,7 @@ impl<'a> Body<'_, 'a> {
             _ => (&decl.ty, false),
         };
         let ty = self.has_known_size(inner).then(|| self.value_ty(inner));
-        // A device knows no ticks.
+        // Times cross the device interface in seconds: a device does not know the cycle time.
         let ty = ty.map(|ty| crate::check::outside_type(&ty).0);
         for name in &decl.names {
             ports.push(DevicePortTy {
@@ -112,7 +117,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// Whether no size in a type waits for a parameter that only the cell tells.
+    /// Whether no array size in a type depends on a parameter that only the cell description gives.
     fn has_known_size(&self, ty: &Type) -> bool {
         match &ty.kind {
             TypeKind::Optional(inner) => self.has_known_size(inner),

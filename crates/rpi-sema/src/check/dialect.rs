@@ -1,9 +1,10 @@
-//! Where a program for Lustre means something else to other compilers: the quotient and the remainder of a negative number.
+//! Reports Lustre programs whose meaning depends on the compiler: quotient and remainder of a negative number.
 //!
-//! `div` and `mod` truncate here, in Lustre V6 and in C, and are Euclidean for Kind 2. The two agree where the dividend is not
-//! negative and where the divisor is 1 or -1, so that is what is asked: can something negative reach a dividend? Every rule
-//! below has the form "not negative if none of these is", so one search backwards answers for a whole unit in linear time.
-//! It is told once for a program, at the first place. How `when` is read elsewhere is a matter of syntax, and told there.
+//! `div` and `mod` truncate here, in Lustre V6 and in C, but are Euclidean in Kind 2. The two agree if the dividend is
+//! not negative, and if the divisor is 1 or -1. The check therefore asks whether a dividend can be negative. Each rule
+//! has the form "this is not negative if none of these is", so that one backward search covers a unit in linear time.
+//! Only the first place of a program is reported. The other difference, the reading of `when`, is syntactic and
+//! reported by the parser.
 
 use crate::facts::literal;
 use crate::typed::{Each, Equation, ExprId, FlowId, Kind, Leaf, Place, PrimCall, Unit};
@@ -11,7 +12,7 @@ use rpi_diag::{Code, Finding, Span};
 use rpi_net::prim;
 use rpi_prims::PrimId;
 
-/// A kind of division, as it is written, with an example of what it gives here and for Kind 2.
+/// A division: its primitive, its operator, and an example of its result here and in Kind 2.
 type Division = (PrimId, &'static str, &'static str, &'static str);
 
 const DIVISIONS: &[Division] = &[
@@ -19,7 +20,7 @@ const DIVISIONS: &[Division] = &[
     (prim!("Rpi::IntModulo"), "mod", "-7 mod 2 is -1", "1"),
 ];
 
-/// Operators that give nothing negative if so many of their first operands are not negative.
+/// Operators whose result is not negative if their first operands, as many as given here, are not negative.
 const KEEPERS: &[(PrimId, usize)] = &[
     (prim!("Core::IntAdd"), 2),
     (prim!("Core::IntMultiply"), 2),
@@ -27,10 +28,10 @@ const KEEPERS: &[(PrimId, usize)] = &[
     (prim!("Rpi::IntModulo"), 1),
 ];
 
-/// Tests after which the first operand is not negative if the second is not.
+/// Comparisons that, if true, bound the first operand from below by the second: `>` and `>=`.
 const AT_LEAST: &[PrimId] = &[prim!("Core::IntGreater"), prim!("Rpi::IntGreaterOrEqual")];
 
-/// The first place of a program for Lustre whose result depends on the compiler.
+/// Returns the diagnostic for the first place whose result depends on the compiler.
 pub(super) fn check(units: &[Unit]) -> Option<Finding> {
     let units = units.iter().filter(|unit| unit.is_lustre);
     let first = units.filter_map(first).min_by_key(|(at, ..)| *at);
@@ -38,14 +39,14 @@ pub(super) fn check(units: &[Unit]) -> Option<Finding> {
 }
 
 fn finding(at: Span, (_, word, here, elsewhere): &Division) -> Finding {
-    let message = format!("compilers for Lustre differ in `{word}` of a negative number");
+    let message = format!("Lustre compilers differ in `{word}` of a negative number");
     Finding::new(Code::RPI2015, message)
         .at(at, "this may be negative")
-        .note(format!("here, in Lustre V6 and in C {here}; for Kind 2 it is {elsewhere}"))
-        .help("keep it from being negative (`if x < 0 then 0 else x`), or run and prove the program with one of them only")
+        .note(format!("here, in Lustre V6 and in C {here}; in Kind 2 it is {elsewhere}"))
+        .help("make sure that it is not negative (`if x < 0 then 0 else x`), or use only one of these compilers")
 }
 
-/// The first dividend of a unit that may be negative.
+/// Returns the first dividend of a unit that may be negative, with its division.
 fn first(unit: &Unit) -> Option<(Span, &'static Division)> {
     let mut search = Search::new(unit);
     unit.exprs.iter().find_map(|expr| {
@@ -59,6 +60,7 @@ fn first(unit: &Unit) -> Option<(Span, &'static Division)> {
     })
 }
 
+/// Returns the operands of a binary primitive.
 fn operands(call: &PrimCall) -> Option<(ExprId, ExprId)> {
     match call.inputs[..] {
         [Some(first), Some(second)] => Some((first, second)),
@@ -66,10 +68,11 @@ fn operands(call: &PrimCall) -> Option<(ExprId, ExprId)> {
     }
 }
 
-/// The search for what is negative, backwards from dividends. What it has seen without finding any is never looked at again.
+/// Backward search for negative values, starting at dividends. An expression that has been visited without success is
+/// not visited again.
 struct Search<'u> {
     unit: &'u Unit,
-    /// What defines each flow, if anything was looked for yet.
+    /// Defining expressions of each flow; computed on first use.
     sources: Option<Vec<Vec<ExprId>>>,
     seen: Vec<bool>,
 }
@@ -83,6 +86,7 @@ impl<'u> Search<'u> {
         }
     }
 
+    /// Whether the search finds a value that may be negative.
     fn may_be_negative(&mut self, dividend: ExprId) -> bool {
         let mut open = vec![dividend];
         while let Some(id) = open.pop() {
@@ -97,7 +101,8 @@ impl<'u> Search<'u> {
         false
     }
 
-    /// The expressions of which none is negative if this one is not; none if it may be negative by itself.
+    /// Returns expressions such that this expression is not negative if none of them is; `None` if it may be negative
+    /// regardless.
     fn reasons(&mut self, id: ExprId) -> Option<Vec<ExprId>> {
         match &self.unit.expr(id).kind {
             Kind::Fault => Some(Vec::new()),
@@ -117,7 +122,7 @@ impl<'u> Search<'u> {
         }
     }
 
-    /// What defines a flow; none if that comes from elsewhere.
+    /// Returns the defining expressions of a flow; `None` if it has none, such as an in-port.
     fn sources(&mut self, flow: FlowId) -> Option<Vec<ExprId>> {
         let unit = self.unit;
         let sources = self.sources.get_or_insert_with(|| sources_of(unit));
@@ -125,7 +130,7 @@ impl<'u> Search<'u> {
         (!of_flow.is_empty()).then(|| of_flow.clone())
     }
 
-    /// The ways of a choice, without those that its condition keeps from being negative.
+    /// Returns the branches of an `if`, except those that its condition proves not negative.
     fn choice(&self, operands: &[ExprId]) -> Option<Vec<ExprId>> {
         let [condition, yes, no] = *operands else {
             return None;
@@ -135,7 +140,8 @@ impl<'u> Search<'u> {
         Some(open.map(|(way, _)| way).collect())
     }
 
-    /// Whether `way` is not negative because the condition holds, or does not: `x` where `x >= 0`, `-x` where `x < 0`.
+    /// Whether the branch `way` is not negative because the condition holds (`holds`) or fails: `x` where `x >= 0`,
+    /// `-x` where `x < 0`.
     fn is_kept(&self, condition: ExprId, holds: bool, way: ExprId) -> bool {
         let Kind::Prim(test) = &self.unit.expr(condition).kind else {
             return false;
@@ -143,7 +149,7 @@ impl<'u> Search<'u> {
         let Some((high, low)) = operands(test).filter(|_| AT_LEAST.contains(&test.prim)) else {
             return false;
         };
-        // high >= low, by at least 1 where the test is strict and holds, or is not strict and fails.
+        // Here high >= low, and high > low if the test is strict and holds, or is not strict and fails.
         let is_strict = test.prim == AT_LEAST[0];
         let (high, low) = if holds { (high, low) } else { (low, high) };
         let least = -i64::from(holds == is_strict);
@@ -161,6 +167,7 @@ impl<'u> Search<'u> {
         }
     }
 
+    /// Returns the operand of a negation.
     fn negated(&self, id: ExprId) -> Option<ExprId> {
         match &self.unit.expr(id).kind {
             Kind::Prim(call) if call.prim == prim!("Rpi::IntNegate") => *call.inputs.first()?,
@@ -168,6 +175,7 @@ impl<'u> Search<'u> {
         }
     }
 
+    /// Returns the value of an integer constant.
     fn constant(&self, id: ExprId) -> Option<i64> {
         match &self.unit.expr(id).kind {
             Kind::Literal(leaf) => leaf.as_int(),
@@ -179,12 +187,13 @@ impl<'u> Search<'u> {
         }
     }
 
+    /// Whether a divisor is 1 or -1.
     fn is_one(&self, divisor: ExprId) -> bool {
         matches!(self.constant(divisor), Some(1 | -1))
     }
 }
 
-/// What defines each flow.
+/// Returns the defining expressions of each flow.
 fn sources_of(unit: &Unit) -> Vec<Vec<ExprId>> {
     let mut sources = vec![Vec::new(); unit.flows.len()];
     for equation in unit.blocks.iter().flat_map(|block| &block.equations) {
@@ -197,7 +206,7 @@ fn sources_of(unit: &Unit) -> Vec<Vec<ExprId>> {
     sources
 }
 
-/// The value of one target of an equation; the whole one where it is not written part by part.
+/// Returns the value of target `k` of an equation: its part of a tuple, or else the whole value.
 fn part(unit: &Unit, equation: &Equation, k: usize) -> ExprId {
     match &unit.expr(equation.value).kind {
         Kind::Build(parts) if parts.len() == equation.targets.len() => parts[k],

@@ -1,7 +1,8 @@
-//! `a[i] = e` of Kind 2, where nothing declares `i`: every element of `a` is `e` for its index.
+//! Array definitions by element, `a[i] = e` of Kind 2 with an undeclared `i`: every element of `a` is `e` for its
+//! index.
 //!
-//! Such an equation stands for one equation for each element; conditions about the index are decided when the program is
-//! checked. Elements are defined in ascending order: one may read those at a fixed distance before it.
+//! Such an equation is expanded to one equation per element, and conditions on the index are evaluated at compile time.
+//! Elements are defined in ascending order: an element may read elements at a fixed distance before it.
 
 use super::body::Body;
 use super::bound::Means;
@@ -15,10 +16,10 @@ use rpi_net::passes::causality::{self, Read};
 use rpi_syntax::ast::{Access, Equation, Expr, ExprKind, Ident, Statement, StatementKind, Target};
 use rpi_syntax::ops::{BinaryOp, UnaryOp};
 
-/// The most elements that one equation may define.
+/// Maximum number of elements that one equation may define.
 const MAX_ELEMENTS: u64 = 1 << 14;
 
-/// The most arrays whose elements need one another that are looked through.
+/// Maximum length of a dependency cycle of arrays in the search of [`ring`], which is exponential.
 const MAX_RING: usize = 12;
 
 impl<'a> Body<'_, 'a> {
@@ -31,7 +32,7 @@ impl<'a> Body<'_, 'a> {
                 .any(|target| self.index_name(target).is_some())
     }
 
-    /// Counts the equations of each array whose parts are defined.
+    /// Counts the equations that define parts of each array.
     pub(super) fn count_parts(&mut self, statements: &[Statement]) {
         if self.is_rpi() {
             return;
@@ -48,7 +49,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// The name of the first index of a target, if nothing declares it.
+    /// Returns the name of the array, if the first index of the target is an undeclared name.
     fn index_name<'t>(&self, target: &'t Target) -> Option<&'t Ident> {
         let Some(Access::Index(index)) = target.path.first() else {
             return None;
@@ -56,7 +57,8 @@ impl<'a> Body<'_, 'a> {
         let name = index.as_name()?;
         let found = self.c.program.lookup_in(Space::Value, self.module, name);
         let is_outside = matches!(found, Lookup::Found(_));
-        // As the only equation of an array it can not be meant for one element: the name hides the constant.
+        // If it is the only equation of the array, it cannot be meant for one element: the index hides the constant of
+        // the same name.
         let is_only = || self.parts_defined.get(&target.name.name) == Some(&1);
         let known = matches!(self.find_local(name), Some(Local::Constant(_)))
             || self.statics.contains_key(name)
@@ -65,19 +67,20 @@ impl<'a> Body<'_, 'a> {
         (!known && is_array).then_some(&target.name)
     }
 
+    /// Expands an equation that defines an array element by element to one pending equation per element.
     pub(super) fn declare_elements(&mut self, equation: &'a Equation, span: Span) {
         let [target] = &equation.targets[..] else {
             return self.not_by_element(
                 &equation.targets,
                 span,
-                "one equation defines one array element by element",
+                "such an equation must define exactly one array",
             );
         };
         let Some(flow) = self.local_flow(&target.name.name) else {
             return;
         };
         let Some(names) = index_names(target) else {
-            return self.not_by_element(&equation.targets, span, "an index is a name of its own");
+            return self.not_by_element(&equation.targets, span, "each index must be a plain name");
         };
         let mut ty = self.unit.flow(flow).ty.clone();
         let mut sizes = Vec::new();
@@ -90,12 +93,12 @@ impl<'a> Body<'_, 'a> {
         }
         if sizes.len() != names.len() {
             let text = format!(
-                "`{}` has {}, and {} given",
+                "`{}` has {}, found {}",
                 target.name.name,
                 rpi_diag::counted(sizes.len(), "dimension"),
                 match names.len() {
-                    1 => "one index is".to_owned(),
-                    n => format!("{n} indices are"),
+                    1 => "1 index".to_owned(),
+                    n => format!("{n} indices"),
                 }
             );
             return self.not_by_element(&equation.targets, span, &text);
@@ -119,6 +122,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
+    /// Reports an array that cannot be defined by its elements.
     fn not_by_element(&mut self, targets: &[Target], span: Span, why: &str) {
         let flows = targets
             .iter()
@@ -127,14 +131,14 @@ impl<'a> Body<'_, 'a> {
         self.broken.extend(flows);
         let finding = Finding::new(
             Code::RPI2013,
-            "this array can not be defined by its elements",
+            "this array cannot be defined by its elements",
         )
         .at(span, why.to_owned())
         .help("write `a[i][j] = ...;` with an index for each dimension");
         self.report(finding);
     }
 
-    /// Checks something about an element with its index known.
+    /// Runs `work` with the index variables of a pending equation bound to their values.
     pub(super) fn with_indices<T>(&mut self, index: usize, work: impl FnOnce(&mut Self) -> T) -> T {
         let before = self.bound.len();
         for (name, value) in self.pending[index].indices.clone() {
@@ -145,7 +149,7 @@ impl<'a> Body<'_, 'a> {
         result
     }
 
-    /// Checks an equation, of an element with its index known. What is wrong is said once for all elements.
+    /// Checks the equation of one element. The same error is reported only once for all elements.
     pub(super) fn check_element(&mut self, index: usize) {
         let is_first = self.pending[index].indices.iter().all(|(_, at)| *at == 0);
         let before = self.findings.len();
@@ -164,7 +168,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// Whether a condition about the index holds; none if it depends on anything else.
+    /// Returns the value of a condition on an index; `None` if it depends on anything else.
     pub(super) fn decided(
         &mut self,
         condition: &Expr,
@@ -176,7 +180,7 @@ impl<'a> Body<'_, 'a> {
         self.fold_quietly(value)?.first().and_then(Leaf::as_bool)
     }
 
-    /// Reports elements that need themselves or later ones.
+    /// Reports elements that depend on themselves or on later elements.
     pub(super) fn elements_in_order(&mut self) {
         let equations = self.elements.clone();
         let mut links = Vec::new();
@@ -218,17 +222,15 @@ impl<'a> Body<'_, 'a> {
         let name = &equation.targets[0].name;
         let finding = Finding::new(
             Code::RPI2013,
-            format!("the elements of `{}` can not be put in order", name.name),
+            format!("cannot order the elements of `{}`", name.name),
         )
-        .at(
-            span,
-            "this is at no fixed distance from the element that is defined",
-        )
-        .also(name.span, "defined element by element here")
-        .help("read the elements before it: `a[i - 1]`");
+        .at(span, "not at a fixed distance from the defined element")
+        .also(name.span, "defined by its elements here")
+        .help("read an earlier element: `a[i - 1]`");
         self.report(finding);
     }
 
+    /// Reports a dependency cycle of elements.
     fn out_of_order(&mut self, equations: &[&'a Equation], ring: &[&Link]) {
         let name = |at: usize| equations[at].targets[0].name.name.to_string();
         let reads = ring.iter().rev().map(|link| Read {
@@ -238,8 +240,7 @@ impl<'a> Body<'_, 'a> {
             more: Vec::new(),
         });
         let reads: Vec<Read> = reads.collect();
-        let help =
-            "elements are defined in ascending order: one may read those before it, `a[i - 1]`";
+        let help = "elements are defined in ascending order: read an earlier one, `a[i - 1]`";
         self.report(causality::ring(&reads).help(help));
         let flows = ring
             .iter()
@@ -249,16 +250,16 @@ impl<'a> Body<'_, 'a> {
     }
 }
 
-/// An element that reads another.
+/// Dependency of the elements of one array on those of another. Arrays are indices of equations.
 struct Link {
     from: usize,
     to: usize,
-    /// How much larger the index that is read is, for each dimension.
+    /// Difference between the index read and the index defined, for each dimension.
     offset: Vec<i64>,
     span: Span,
 }
 
-/// The names of all indices, if that is what they are.
+/// Returns the names of all indices of a target; `None` if one is not a plain name.
 fn index_names(target: &Target) -> Option<Vec<Ident>> {
     let name = |access: &Access| match access {
         Access::Index(index) => Some(Ident {
@@ -270,7 +271,7 @@ fn index_names(target: &Target) -> Option<Vec<Ident>> {
     target.path.iter().map(name).collect()
 }
 
-/// The index of the element at a place, first dimension first.
+/// Returns the indices of the element at a row-major position.
 fn place(mut at: u64, sizes: &[u32]) -> Vec<i64> {
     let mut indices: Vec<i64> = Vec::with_capacity(sizes.len());
     for n in sizes.iter().rev() {
@@ -282,7 +283,7 @@ fn place(mut at: u64, sizes: &[u32]) -> Vec<i64> {
     indices
 }
 
-/// The elements that an expression reads in the same cycle: array, indices, place.
+/// Collects the elements that an expression reads in the same cycle: array, indices, location.
 fn element_reads<'e>(expr: &'e Expr, reads: &mut Vec<(&'e rpi_syntax::Name, Vec<&'e Expr>, Span)>) {
     let mut base = expr;
     let mut indices = Vec::new();
@@ -304,7 +305,7 @@ fn element_reads<'e>(expr: &'e Expr, reads: &mut Vec<(&'e rpi_syntax::Name, Vec<
     }
 }
 
-/// How far `i + 1` is from `i`.
+/// Returns the offset of an index expression from the index variable: 1 for `i + 1`; `None` for other expressions.
 fn distance(index: &Expr, name: &Ident) -> Option<i64> {
     let is_index = |expr: &Expr| expr.unparen().as_name() == Some(&name.name);
     let number = |expr: &Expr| match &expr.unparen().kind {
@@ -322,7 +323,8 @@ fn distance(index: &Expr, name: &Ident) -> Option<i64> {
     }
 }
 
-/// A ring of links from `at` back to `start` that does not lead to smaller indices.
+/// Returns a dependency cycle from `at` back to `start` whose total offset is not negative. `so_far` is the offset and
+/// `way` the path up to `at`.
 fn ring<'l>(
     links: &'l [Link],
     start: usize,
@@ -345,6 +347,7 @@ fn ring<'l>(
             .collect();
         way.push(link);
         if link.to == start {
+            // Elements are ordered by their first index, then by the next: the first offset that is not 0 decides.
             let first = sum.iter().find(|n| **n != 0).copied().unwrap_or(0);
             if first >= 0 {
                 return Some(way.clone());

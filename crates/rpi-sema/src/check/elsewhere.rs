@@ -1,4 +1,4 @@
-//! Functions of other languages for what is no function here: what is written in their place.
+//! Help for functions of other languages that do not exist here.
 
 use super::args::Given;
 use super::body::Body;
@@ -9,7 +9,8 @@ use rpi_diag::{Code, Fix, Span};
 use rpi_syntax::ast;
 
 impl<'a> Body<'_, 'a> {
-    /// Says in what has been reported of `len(a)` how the same is written here; `given` are its arguments.
+    /// Adds the equivalent in RPI to the diagnostic about an undefined callee such as `len(a)`. `given` are its
+    /// arguments.
     pub(super) fn meant_elsewhere(&mut self, call: &'a ast::Call, given: &[Given], span: Span) {
         self.meant_as_power(call, span);
         let ty = given
@@ -19,7 +20,7 @@ impl<'a> Body<'_, 'a> {
         let Some((help, fix)) = here(&name.name.to_lowercase(), call, &ty) else {
             return;
         };
-        // What else is strange in such a call is of the other language, too.
+        // Other undefined names in such a call are also of the other language.
         self.findings.retain(|finding| {
             let place = finding.span();
             let inside = span.start <= place.start && place.end <= span.end && place != name.span;
@@ -32,22 +33,23 @@ impl<'a> Body<'_, 'a> {
     }
 }
 
-/// What is written in the place of a call, in words and, where that is plain, as a change.
+/// Returns the help text for a foreign call, and a fix where it is certain enough.
 fn here(name: &str, call: &ast::Call, ty: &Ty) -> Option<(String, Option<Fix>)> {
     let place = call.callee.name.span;
     match name {
         "prev" | "previous" | "old" => {
             let fix = Fix::maybe("write `pre`").replace(place, "pre ");
-            let help = "the value of the cycle before is `pre x`, with a first value `0 -> pre x`";
+            let help =
+                "the value of the previous cycle is `pre x`, with an initial value `0 -> pre x`";
             Some((help.to_owned(), (call.args.len() == 1).then_some(fix)))
         }
         "len" | "length" | "numel" | "sizeof" => {
             let help = match ty {
                 Ty::Array(_, n) => {
-                    format!("the size belongs to the type of an array: here it is {n}")
+                    format!("the size is part of the type of an array: here it is {n}")
                 }
                 _ => {
-                    "the size belongs to the type of an array: `const n: int = 3;`, then `a: int^n`"
+                    "the size is part of the type of an array: `const n: int = 3;`, then `a: int^n`"
                         .to_owned()
                 }
             };
@@ -57,27 +59,27 @@ fn here(name: &str, call: &ast::Call, ty: &Ty) -> Option<(String, Option<Fix>)> 
         _ if converts_to(name).is_some() => {
             let word = converts_to(name)?;
             let fix = Fix::maybe(format!("write `{word}`")).replace(place, format!("{word} "));
-            let help = format!("a conversion is a word before its value: `{word} x`");
+            let help = format!("a conversion is an operator before its operand: `{word} x`");
             Some((help, (call.args.len() == 1).then_some(fix)))
         }
         "delay" => {
-            let help = "one cycle late is `0 -> pre x`; whether `c` has held for a second is `on_delay<<delay: 1.0[s]>>(c)`";
+            let help = "delay by one cycle: `0 -> pre x`; test whether `c` held for 1 s: `on_delay<<delay: 1.0[s]>>(c)`";
             Some((help.to_owned(), None))
         }
         "wait" | "sleep" | "usleep" | "pause" | "waittime" | "waituntil" | "wait_sec" | "dwell" => {
-            let help = "nothing waits within a cycle; whether `c` has held for a second is `on_delay<<delay: 1.0[s]>>(c)`";
+            let help = "a cycle cannot wait; test whether `c` held for 1 s: `on_delay<<delay: 1.0[s]>>(c)`";
             Some((help.to_owned(), None))
         }
         "print" | "printf" | "println" | "puts" | "echo" | "fprintf" | "disp" | "display"
         | "log" | "write" | "writeln" | "tpwrite" | "msg" | "cout" | "debug" => {
-            let help = "a node shows nothing by itself: who runs it sees its out-ports, and what a command exports: `export x;`";
+            let help = "a node cannot print; its out-ports are visible in a run, and a command can export flows: `export x;`";
             Some((help.to_owned(), None))
         }
         _ => super::phrases::of_call(name).map(|help| (help.to_owned(), None)),
     }
 }
 
-/// The type into which a function of another language converts: `float`, `INT_TO_REAL`, `toInt`.
+/// Returns the type to which a function of another language converts: `float`, `INT_TO_REAL`, `toInt`.
 fn converts_to(name: &str) -> Option<&'static str> {
     let target = match name.rsplit_once("_to_").or_else(|| name.rsplit_once("to")) {
         Some((from, target)) if from.is_empty() || foreign::type_here(from).is_some() => target,
@@ -91,7 +93,7 @@ fn converts_to(name: &str) -> Option<&'static str> {
     known("real").or_else(|| known("int"))
 }
 
-/// `red` in the place of `sum(a)`.
+/// Returns the help text and fix that replace `sum(a)` and the like by `red`.
 fn folded(name: &str, call: &ast::Call, ty: &Ty) -> (String, Option<Fix>) {
     let (op, with) = match name {
         "prod" => ("*", "1"),
@@ -99,7 +101,7 @@ fn folded(name: &str, call: &ast::Call, ty: &Ty) -> (String, Option<Fix>) {
         _ => ("+", "0"),
     };
     let Ty::Array(element, n) = ty else {
-        let help = format!("along an array of 3 works `red<<{op}, 3>>({with}, a)`");
+        let help = format!("for an array of 3 elements use `red<<{op}, 3>>({with}, a)`");
         return (help, None);
     };
     let with = match (&**element, name) {
@@ -113,7 +115,7 @@ fn folded(name: &str, call: &ast::Call, ty: &Ty) -> (String, Option<Fix>) {
         _ => false,
     };
     let callee = format!("red<<{op}, {n}>>");
-    let help = format!("along this array works `{callee}({with}, a)`");
+    let help = format!("for this array use `{callee}({with}, a)`");
     let fix = match &call.args[..] {
         [only] if is_plain => Some(
             Fix::maybe(format!("write `{callee}`"))

@@ -1,4 +1,4 @@
-//! Expressions: which kind goes where, literals, and the forms that only need their operands.
+//! Expressions: dispatch on their kind, literals, and simple forms.
 
 use super::body::Body;
 use super::quantity::plain_angle;
@@ -11,7 +11,7 @@ use rpi_net::prim;
 use rpi_syntax::ast::{self, Among, ExprKind, Number, Quantity};
 
 impl<'a> Body<'_, 'a> {
-    /// Checks an expression.
+    /// Checks an expression and returns its entry in the table of typed expressions.
     pub(super) fn expr(&mut self, expr: &'a ast::Expr) -> ExprId {
         self.c.nesting += 1;
         let id = self.expr_of_kind(expr);
@@ -56,7 +56,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// A number; `negative` if a minus stands before it, which makes -2^63 an integer.
+    /// Checks a number literal. `negative` is true after a minus sign, which makes -2^63 a valid integer.
     pub(super) fn number(&mut self, number: &Number, negative: bool, span: Span) -> ExprId {
         if !number.is_int() {
             let value = if negative {
@@ -67,7 +67,7 @@ impl<'a> Body<'_, 'a> {
             return self.add(Kind::Literal(Leaf::real(value)), Ty::REAL, span);
         }
         let Some(value) = number.int() else {
-            // The parser has reported it, except behind a sign that may end `uint@<64>`.
+            // The parser has reported it, except after a sign that may be the end of `uint@<64>`.
             if number.bits().is_some() && !self.is_rpi() {
                 return self.fault_with(too_large(span), span);
             }
@@ -79,6 +79,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
+    /// Checks a number with a unit.
     fn quantity(&mut self, quantity: &Quantity, span: Span) -> ExprId {
         match self.measure(&quantity.unit) {
             Ok(None) => self.fault(span),
@@ -94,7 +95,8 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// What SI's plain radian would let slip: a number without unit where an angle is wanted.
+    /// Reports a number without a unit where an angle is expected. SI treats the radian as dimensionless, so that unit
+    /// checking alone would accept it.
     pub(super) fn angle_has_unit(&mut self, id: ExprId, expected: &Ty) -> bool {
         let expr = self.unit.expr(id);
         let (Kind::Literal(value), Ty::Real(found), Ty::Real(wanted)) =
@@ -112,12 +114,13 @@ impl<'a> Body<'_, 'a> {
         false
     }
 
+    /// Checks `if c then x else y`.
     fn choice(&mut self, choice: &'a ast::If, span: Span) -> ExprId {
         if choice.is_static {
             return self.static_choice(choice, span);
         }
         let before = self.statics_read;
-        let condition = self.condition(&choice.condition, "what stands after `if`");
+        let condition = self.condition(&choice.condition, "the expression after `if`");
         if self.statics_read > before {
             self.unit.chosen.push(condition);
         }
@@ -132,11 +135,12 @@ impl<'a> Body<'_, 'a> {
         let no = self.expr(&choice.no);
         self.guarded = guarded;
         self.forgive_untaken(condition, [before, between]);
-        let ty = self.common_type(yes, no, "both branches of an `if` have one type");
+        let ty = self.common_type(yes, no, "both branches of an `if` must have the same type");
         self.add(Kind::Each(Each::If, [condition, yes, no].into()), ty, span)
     }
 
-    /// `if n = 0 then 0 else x div n`, where n is a constant: in a branch that is never taken nothing is divided.
+    /// Removes errors about a division by zero in a branch that a constant condition never takes: `if n = 0 then 0 else
+    /// x div n`.
     fn forgive_untaken(&mut self, condition: ExprId, [before, between]: [usize; 2]) {
         let is_of_zero = |finding: &Finding| finding.code == Code::RPI2012;
         if !self.findings[before..].iter().any(is_of_zero) {
@@ -158,7 +162,7 @@ impl<'a> Body<'_, 'a> {
         self.made_real = self.made_real.filter(|at| *at < before);
     }
 
-    /// `with c then x else y`: only the branch that is taken exists.
+    /// Checks `with c then x else y`: only the branch that is taken is checked.
     fn static_choice(&mut self, choice: &'a ast::If, span: Span) -> ExprId {
         let Some(taken) = self.constant_of(&choice.condition, &Ty::Bool) else {
             return self.fault(span);
@@ -169,13 +173,13 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// The type that two expressions have in common; a misfit is reported at the second, or at a number.
+    /// Returns the common type of two expressions; reports a mismatch at the second one, or at a number literal.
     pub(super) fn common_type(&mut self, a: ExprId, b: ExprId, why: &str) -> Ty {
         self.times_meet(a, b);
         match join(self.ty_of(a), self.ty_of(b)) {
             Ok(ty) => ty,
             Err(misfit) => {
-                // A number is what is easily changed, and often only lacks its unit or its point.
+                // A number literal is the easiest to change, and often only lacks its unit or decimal point.
                 let points = (self.ty_of(a) == &Ty::Int, self.ty_of(b) == &Ty::Int);
                 let lacks_point = self.is_number(b) && points == (true, false);
                 let (model, odd, misfit) =
@@ -192,7 +196,7 @@ impl<'a> Body<'_, 'a> {
                     self.either_number();
                     return Ty::Unknown;
                 }
-                // How long it was to be, both say otherwise.
+                // Two arrays of different size: either size may be the intended one.
                 match (&expected, self.ty_of(odd)) {
                     (Ty::Array(..), Ty::Array(..)) => Ty::Unknown,
                     _ => expected,
@@ -201,18 +205,18 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// Of `1` and `1.0` either may be what was not meant: the last finding says so.
+    /// Adds to the last diagnostic that either `1` or `1.0` may be the wrong literal.
     fn either_number(&mut self) {
         if let Some(finding) = self.findings.last_mut() {
             for fix in &mut finding.fixes {
                 fix.applicability = Applicability::Maybe;
             }
-            let other = "if integers are meant, write the other one without a point";
+            let other = "to use integers, write the other number without a decimal point";
             finding.help.push(other.to_owned());
         }
     }
 
-    /// `#(a, b, c)` and `nor(a, b, c)`: ways to write plain logic.
+    /// Checks `#(a, b, c)`, at most one operand is true, and `nor(a, b, c)`, none is.
     fn among(&mut self, among: Among, operands: &'a [ast::Expr], span: Span) -> ExprId {
         let operands: Vec<ExprId> = operands
             .iter()
@@ -224,7 +228,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// A Boolean operand, or the Booleans of an array.
+    /// Checks a Boolean operand or an array of Booleans; returns the Booleans.
     pub(super) fn boolean_operands(&mut self, operand: &'a ast::Expr) -> Vec<ExprId> {
         let id = self.expr(operand);
         if let Ty::Array(element, n) = self.ty_of(id).clone() {
@@ -245,11 +249,13 @@ impl<'a> Body<'_, 'a> {
         vec![id]
     }
 
+    /// Adds an expression that is true if no operand is true.
     fn none_of(&mut self, operands: &[ExprId], span: Span) -> ExprId {
         let any = self.any_of(operands, span);
         self.logic(prim!("Core::BooleanNot"), &[any], span)
     }
 
+    /// Adds the disjunction of the operands.
     fn any_of(&mut self, operands: &[ExprId], span: Span) -> ExprId {
         let first = self.add(Kind::Literal(Leaf::bool(false)), Ty::Bool, span);
         let or =
@@ -257,7 +263,7 @@ impl<'a> Body<'_, 'a> {
         operands.iter().fold(first, or)
     }
 
-    /// At most one is true: each excludes all before it.
+    /// Adds an expression that is true if at most one operand is true. Its size is linear in the number of operands.
     pub(super) fn at_most_one(&mut self, operands: &[ExprId], span: Span) -> ExprId {
         let [first, rest @ ..] = operands else {
             return self.add(Kind::Literal(Leaf::bool(true)), Ty::Bool, span);
@@ -277,6 +283,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
+    /// Checks a tuple.
     fn tuple(&mut self, elements: &'a [ast::Expr], span: Span) -> ExprId {
         let elements: Vec<ExprId> = elements.iter().map(|e| self.expr(e)).collect();
         let ty = Ty::tuple(elements.iter().map(|id| self.ty_of(*id).clone()));
@@ -284,11 +291,13 @@ impl<'a> Body<'_, 'a> {
     }
 }
 
+/// Returns the diagnostic for an integer literal that exceeds 64 bits.
 fn too_large(span: Span) -> Finding {
-    Finding::new(Code::RPI2010, "the integer does not fit into 64 bits")
-        .at(span, "from -2^63 to 2^63 - 1")
+    Finding::new(Code::RPI2010, "the integer does not fit in 64 bits")
+        .at(span, "the range is -2^63 to 2^63 - 1")
 }
 
+/// Returns a literal with its sign; `None` on overflow.
 fn signed(value: u64, negative: bool) -> Option<i64> {
     match negative {
         true => 0i64.checked_sub_unsigned(value),

@@ -1,9 +1,9 @@
-//! Names of other languages for what has a name here, too.
+//! Names of types, values and functions in other languages, with their equivalents in RPI, for suggestions.
 
-/// A name elsewhere, and here.
+/// A name of another language and its equivalent.
 type Row = (&'static str, &'static str);
 
-/// Types; looked up in lower case.
+/// Types, in lower case.
 const TYPES: &[Row] = &[
     ("float", "real"),
     ("float32", "real"),
@@ -93,7 +93,7 @@ const TYPES: &[Row] = &[
     ("duration", "real[s]"),
 ];
 
-/// Values; looked up in lower case.
+/// Values, in lower case.
 const VALUES: &[Row] = &[
     ("true", "true"),
     ("false", "false"),
@@ -114,7 +114,7 @@ const VALUES: &[Row] = &[
     ("math_pi", "pi"),
 ];
 
-/// What is called; looked up in lower case.
+/// Functions, in lower case.
 const CALLS: &[Row] = &[
     ("fabs", "abs"),
     ("abs", "abs"),
@@ -157,7 +157,8 @@ const CALLS: &[Row] = &[
     ("ctd", "count_down"),
 ];
 
-/// Those that take their arguments otherwise than what they are called elsewhere, or are asked for where others are just there.
+/// Equivalents that are not exact: they take other arguments, or have another meaning. The name cannot simply be
+/// replaced.
 const OTHERWISE: &[&str] = &[
     "none",
     "on_delay",
@@ -172,82 +173,83 @@ const OTHERWISE: &[&str] = &[
     "dt",
 ];
 
-/// Whether a value of another language is hardly meant where something declared has nearly its name.
+/// Whether a foreign value name is so common that a similar declared name is the better suggestion.
 pub(super) fn is_loose(name: &str) -> bool {
     const LOOSE: [&str; 6] = ["on", "off", "yes", "now", "absent", "cycle_time"];
     LOOSE.contains(&&*name.to_lowercase())
 }
 
-/// Whether all that differs from the name `there` is the name.
+/// Whether `here` can replace `there` without other changes.
 pub(super) fn differs_by_name(there: &str, here: &str) -> bool {
     !OTHERWISE.contains(&here) || there.eq_ignore_ascii_case(here)
 }
 
-/// What is written in place of a name that stands for an object or a module elsewhere.
+/// Returns the help text for a name that is an object or a module in other languages.
 pub(super) fn no_value(name: &str) -> Option<&'static str> {
     match &*name.to_lowercase() {
-        "self" | "this" | "me" => Some("flows and ports are read by their names alone: `x`"),
+        "self" | "this" | "me" => Some("flows and ports are named without a prefix: `x`"),
         "math" | "np" | "numpy" | "std" | "cmath" => {
-            Some("what a module declares is read by its name alone: `pi`, `sin(x)`")
+            Some("names of a module need no prefix: `pi`, `sin(x)`")
         }
         _ => None,
     }
 }
 
-/// What is written in place of a type for texts, lists or nothing: such types have no name here.
+/// Returns the help text for foreign types without an equivalent: texts, lists, and void.
 pub(super) fn no_type(name: &str) -> Option<&'static str> {
     let lower = name.to_lowercase();
     let found = NO_TYPES.iter().find(|(names, _)| names.contains(&&*lower));
     found.map(|(_, help)| *help)
 }
 
-/// Names of types that do not exist here, with what is written instead.
+/// Foreign types without an equivalent, in lower case, with help texts.
 const NO_TYPES: &[(&[&str], &str)] = &[
     (
         &["string", "str", "text", "wstring"],
-        "flows hold no texts; a choice among names is an enum: `type Mode = enum { Off, On };`",
+        "flows cannot hold text; use an enum for a set of names: `type Mode = enum { Off, On };`",
     ),
     (
         &[
             "array", "list", "vec", "slice", "vector", "tuple", "set", "deque", "queue", "matrix",
             "ndarray",
         ],
-        "an array has its size behind its type: `int^3`; a matrix is `real^3^2`",
+        "an array type is `int^3`, with its size after the type; a matrix is `real^3^2`",
     ),
     (
         &["dict", "map", "hashmap", "object", "record", "any"],
-        "named parts are a struct: `type Part = struct { place: real; count: int };`",
+        "use a struct for named parts: `type Part = struct { place: real; count: int };`",
     ),
     (&["void", "unit"], "a node without outputs has `returns ()`"),
     (
         &["auto", "var", "let"],
-        "a local flow without `var` has the type of its value: `x = 0 -> pre x + 1;`",
+        "the type of a local flow is inferred: `x = 0 -> pre x + 1;`",
     ),
     (
         &["optional", "option", "maybe", "nullable"],
-        "a value that may be absent has a type with `?`: `int?`",
+        "write `?` after the type of a value that may be absent: `int?`",
     ),
     (
         &["jointtarget", "e6axis", "axis", "jointpos"],
-        "joints are an array of angles: `real[rad]^6`",
+        "joint values are an array of angles: `real[rad]^6`",
     ),
 ];
 
-/// What a type is called here.
+/// Returns the equivalent of a foreign type.
 pub(super) fn type_here(name: &str) -> Option<&'static str> {
     here(TYPES, name)
 }
 
-/// What a value is called here.
+/// Returns the equivalent of a foreign value.
 pub(super) fn value_here(name: &str) -> Option<&'static str> {
     here(VALUES, name)
 }
 
-/// What something to call is called here.
+/// Returns the equivalent of a foreign function.
 pub(super) fn call_here(name: &str) -> Option<&'static str> {
     here(CALLS, name)
 }
 
+/// Looks up a name in a table, ignoring case. Returns `None` if the equivalent is the name itself.
 fn here(table: &[Row], name: &str) -> Option<&'static str> {
     let lower = name.to_lowercase();
     let found = table

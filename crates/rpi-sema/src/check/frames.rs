@@ -1,4 +1,4 @@
-//! Coordinate frames: composing poses, and what is wrong where they do not meet.
+//! Coordinate frames: composition of poses, and diagnostics for frames that do not match.
 
 use super::body::Body;
 use crate::ty::{Geometry, Ty};
@@ -10,7 +10,7 @@ use rpi_syntax::Name;
 use std::rc::Rc;
 
 impl Body<'_, '_> {
-    /// `(b in a) * (c in b)` is `(c in a)`; the frames in the middle must be the same.
+    /// Returns the type of `(b in a) * (c in b)`, which is `(c in a)`. The inner frames must match.
     pub(super) fn composed(&mut self, left: ExprId, right: ExprId) -> Ty {
         let (a, b) = (self.ty_of(left).clone(), self.ty_of(right).clone());
         let (Ty::Spatial(by, outer), Ty::Spatial(scalar, inner)) = (&a, &b) else {
@@ -29,7 +29,7 @@ impl Body<'_, '_> {
         if !meet {
             self.do_not_meet((left, outer), (right, inner));
         }
-        // What is wrong with the middle says nothing about the ends.
+        // After a mismatch of the inner frames, the outer ones are left open.
         let geometry = Geometry {
             dim: inner.dim,
             of: inner.of.clone().filter(|_| meet),
@@ -38,15 +38,16 @@ impl Body<'_, '_> {
         Ty::Spatial(*scalar, Rc::new(geometry))
     }
 
-    /// A pose moves places; other vectors are only turned.
+    /// Reports a pose applied to a vector that is not a position. Other vectors are only rotated.
     fn moves_no_place(&mut self, left: ExprId, right: ExprId, ty: &Ty) {
-        let finding = Finding::new(Code::RPI2002, format!("a pose can not move `{ty}`"))
-            .at(self.span_of(right), "this is no place, which is in `m`")
+        let finding = Finding::new(Code::RPI2002, format!("cannot apply a pose to `{ty}`"))
+            .at(self.span_of(right), "not a position, which is in `m`")
             .also(self.span_of(left), "this is a pose")
-            .help("directions, velocities and forces are turned: `p.rotation * v`");
+            .help("rotate directions, velocities and forces: `p.rotation * v`");
         self.report(finding);
     }
 
+    /// Reports two poses whose inner frames differ.
     fn do_not_meet(
         &mut self,
         (left, outer): (ExprId, &Geometry),
@@ -56,19 +57,19 @@ impl Body<'_, '_> {
             return;
         };
         let (a, b) = (self.ty_of(left), self.ty_of(right));
-        let message = format!("`{a}` and `{b}` do not meet: `{x}` is not `{y}`");
+        let message = format!("frame mismatch between `{a}` and `{b}`: `{x}` is not `{y}`");
         let finding = Finding::new(Code::RPI2005, message)
-            .at(self.span_of(right), format!("this is given in `{y}`"))
+            .at(self.span_of(right), format!("this is relative to `{y}`"))
             .also(self.span_of(left), format!("this is the pose of `{x}`"));
         let turned = inner.of.is_some() && inner.of == outer.in_frame;
         let finding = match turned {
-            true => self.exchanged(finding.help("the other way round they meet"), left, right),
-            false => finding.help(format!("put the pose of `{y}` in `{x}` between them")),
+            true => self.exchanged(finding.help("exchange the operands"), left, right),
+            false => finding.help(format!("insert the pose of `{y}` in `{x}` between them")),
         };
         self.report(finding);
     }
 
-    /// Offers to exchange two operands, if both are plain flows.
+    /// Adds a fix that exchanges two operands, if both are plain flows.
     fn exchanged(&self, finding: Finding, left: ExprId, right: ExprId) -> Finding {
         let name = |id: ExprId| match &self.unit.expr(id).kind {
             Kind::Flow(flow) => Some(self.unit.flow(*flow).name.to_string()),
@@ -85,7 +86,8 @@ impl Body<'_, '_> {
     }
 }
 
-/// A spatial value in other frames than its place wants; `wanted` and `found` are the two that are not the same.
+/// Returns the diagnostic for a spatial value with other frames than expected; `wanted` and `found` are the two frames
+/// that differ.
 pub(super) fn misplaced(
     expected: &Ty,
     is: &Ty,
@@ -94,31 +96,31 @@ pub(super) fn misplaced(
 ) -> Finding {
     let message = format!("expected `{expected}`, found `{is}`: `{found}` is not `{wanted}`");
     let finding = Finding::new(Code::RPI2005, message).at(span, format!("this is `{is}`"));
-    // The tools of two devices differ by the device, which is no slip of the pen.
+    // Frames of the same name in two devices (`left.tcp`, `right.tcp`) are not a spelling mistake.
     let frame = |name: &Name| name.rsplit('.').next().map(str::to_owned);
     let are_alike = frame(found) == frame(wanted);
     let near = rpi_diag::suggest(found, std::iter::once(wanted.as_str()));
     if let Some(near) = near.filter(|_| !are_alike) {
-        return finding.help(format!("is `{found}` misspelt for `{near}`?"));
+        return finding.help(format!("did you mean `{near}` instead of `{found}`?"));
     }
     let (Ty::Spatial(_, expected), Ty::Spatial(_, is)) = (expected, is) else {
         return finding;
     };
     let is_turned = expected.of == is.in_frame && expected.in_frame == is.of;
     if is_turned && expected.of.is_some() && expected.in_frame.is_some() {
-        return finding.help("`inverse` turns it round");
+        return finding.help("use its inverse: `inverse(x)`");
     }
     let meet = |a: &Option<Name>, b: &Option<Name>| a.is_none() || b.is_none() || a == b;
     let same_in = meet(&expected.in_frame, &is.in_frame);
     let same_of = meet(&expected.of, &is.of);
     match (same_in, same_of) {
         (true, _) => finding.help(format!(
-            "composed with the pose of `{wanted}` in `{found}` from the right it fits: `x * y`"
+            "multiply by the pose `y` of `{wanted}` in `{found}` from the right: `x * y`"
         )),
         (false, true) => finding.help(format!(
-            "composed with the pose of `{found}` in `{wanted}` from the left it fits: `y * x`"
+            "multiply by the pose `y` of `{found}` in `{wanted}` from the left: `y * x`"
         )),
-        // No one pose makes it fit.
+        // No single pose corrects both frames.
         (false, false) => finding,
     }
 }

@@ -1,9 +1,9 @@
-//! Generic declarations, checked where they are declared.
+//! Checks generic declarations on their own, independent of calls.
 //!
-//! A body is checked for a few types that stand for all which its constraints admit: a type of which nothing is known
-//! where there is no constraint, `int`, and a `real` whose unit is free, a dimension of its own that meets no other.
-//! What is wrong for one of them is wrong for some call, and is reported at the declaration. These instances never run:
-//! nothing of them is left behind. Lustre's type parameters are text that is put in (V6) or [opaque](super::sample) (Kind 2).
+//! A body is checked for sample types that represent all types allowed by its constraints: an opaque type where there
+//! is no constraint, `int`, and a `real` with a free unit, which is a dimension of its own. An error for one sample is
+//! an error for some call, and is reported at the declaration. The instances for samples are discarded. Type parameters
+//! of Lustre are textual (V6) or [opaque](super::sample) (Kind 2), and are not checked here.
 
 use super::constraint::{CONSTRAINTS, Constraint, unknown, written};
 use super::statics::{Param, Static, Statics};
@@ -16,28 +16,28 @@ use rpi_diag::{Edit, Finding, Fix, Severity, Span};
 use rpi_syntax::ast::Ident;
 use std::rc::Rc;
 
-/// The most combinations of types for which one declaration is checked.
+/// Maximum number of combinations of sample types for one declaration.
 const MOST_ROUNDS: usize = 16;
 
-/// A type parameter with its constraint.
+/// Type parameter with its constraint.
 #[derive(Clone, Copy)]
 struct TypeParam<'a> {
     name: &'a Ident,
     constraint: Constraint,
-    /// The constraint as it is written.
+    /// Constraint in the source text, if there is one.
     written: Option<&'a Ident>,
-    /// Which free unit it has; none if others need them in this round.
+    /// Index of its free unit; `None` if the free units of this round are used by other parameters.
     unit: Option<usize>,
 }
 
-/// What was found in a body, once for each place.
+/// Errors in a body, at most one for each location.
 struct Found {
     errors: Vec<Finding>,
     places: Set<Span>,
 }
 
 impl<'a> Checker<'a> {
-    /// Checks the generic declarations of the first module for all types that their constraints admit.
+    /// Checks the generic declarations of the first module for all types allowed by their constraints.
     pub(super) fn check_generics(&mut self) {
         for id in self.program.root().decls.clone() {
             let params = self.type_params_of(id);
@@ -63,6 +63,7 @@ impl<'a> Checker<'a> {
         }
     }
 
+    /// Returns the type parameters of a declaration.
     fn type_params_of(&self, id: DeclId) -> Vec<TypeParam<'a>> {
         let types = self
             .params_of(id)
@@ -81,12 +82,13 @@ impl<'a> Checker<'a> {
         types.enumerate().map(param).collect()
     }
 
-    /// What is wrong in a body for some choice of types, with the constraints given.
+    /// Returns the errors of a body for all combinations of sample types.
     fn errors_for(&mut self, id: DeclId, params: &[TypeParam<'a>]) -> Found {
         let mut found = Found {
             errors: Vec::new(),
             places: Set::default(),
         };
+        // There are only `FREE` free units, so that more parameters take several rounds.
         for first in (0..params.len()).step_by(FREE) {
             let mut params = params.to_vec();
             for param in &mut params {
@@ -102,7 +104,7 @@ impl<'a> Checker<'a> {
         found
     }
 
-    /// The same for one choice. The instance is forgotten, and so are those that it calls.
+    /// Returns the errors of a body for one combination of types. The instance, and those that it calls, are discarded.
     fn errors_with(&mut self, id: DeclId, params: &[TypeParam<'a>], types: &[Ty]) -> Vec<Finding> {
         let mut statics = self.unknown(id);
         for (param, ty) in params.iter().zip(types) {
@@ -122,7 +124,7 @@ impl<'a> Checker<'a> {
         }
     }
 
-    /// Gives what is found on the way, and forgets all units that are made.
+    /// Runs a check and returns its diagnostics; discards all units that it creates.
     fn aside(&mut self, check: impl FnOnce(&mut Self)) -> Vec<Finding> {
         let findings = std::mem::take(&mut self.findings);
         let queue = std::mem::take(&mut self.queue);
@@ -141,7 +143,7 @@ impl<'a> Checker<'a> {
         std::mem::replace(&mut self.findings, findings)
     }
 
-    /// Where another constraint would mend what is wrong, that is one fault: the constraint.
+    /// Replaces errors that another constraint would remove by one error about the constraint.
     fn explained(&mut self, id: DeclId, params: &[TypeParam<'a>], found: Found) -> Vec<Finding> {
         let mut best: Option<(Constraint, Found)> = None;
         for constraint in CONSTRAINTS {
@@ -172,7 +174,7 @@ impl<'a> Checker<'a> {
 }
 
 impl TypeParam<'_> {
-    /// With another constraint, if that admits less than the one that is written.
+    /// Returns the parameter with another constraint, if the written one allows more types.
     fn or(self, constraint: Constraint) -> Self {
         match self.constraint {
             Constraint::Any | Constraint::Number => TypeParam { constraint, ..self },
@@ -180,13 +182,15 @@ impl TypeParam<'_> {
         }
     }
 
+    /// Returns the sample types of the parameter.
     fn samples(&self) -> Vec<Ty> {
         let unit = self.unit.map_or(Dim::ONE, Dim::free);
         self.constraint.samples(&self.name.name, unit)
     }
 }
 
-/// Every combination of the types that stand for the parameters, as far as that are not too many.
+/// Returns all combinations of sample types, up to `MOST_ROUNDS`. Above this limit a parameter has only its first
+/// sample.
 fn choices(params: &[TypeParam<'_>]) -> Vec<Vec<Ty>> {
     let mut all = vec![Vec::new()];
     for param in params {
@@ -203,12 +207,13 @@ fn choices(params: &[TypeParam<'_>]) -> Vec<Vec<Ty>> {
     all
 }
 
-/// Whether a finding about an instance is one about the declaration: an error, whatever its sizes are.
+/// Whether a diagnostic about an instance applies to the declaration: an error that does not depend on sizes.
 fn is_of_generic(finding: &Finding) -> bool {
     finding.severity() == Severity::Error && sample::is_its_fault(finding)
 }
 
-/// Gives free units the names of the parameters that they stand for, and says which types were chosen where it matters.
+/// Replaces free units in a diagnostic by the names of their parameters, and adds a note with the sample types where
+/// these matter.
 fn with_names(mut finding: Finding, params: &[TypeParam<'_>], types: &[Ty]) -> Finding {
     without_unit(&mut finding, params);
     let named = |text: &str| {
@@ -241,7 +246,7 @@ fn with_names(mut finding: Finding, params: &[TypeParam<'_>], types: &[Ty]) -> F
     })
 }
 
-/// A number takes on no unit of a type parameter that may be `int`, too.
+/// Removes fixes that write a unit of a type parameter after a number, as the parameter may also be `int`.
 fn without_unit(finding: &mut Finding, params: &[TypeParam<'_>]) {
     let numbers = params
         .iter()
@@ -256,24 +261,24 @@ fn without_unit(finding: &mut Finding, params: &[TypeParam<'_>]) {
         .any(|fix| fix.edits.iter().any(has_unit))
     {
         finding.fixes.clear();
-        finding.help = vec!["0 of a type that is a parameter is `x - x`".to_owned()];
+        finding.help = vec!["write zero of a parametric type as `x - x`".to_owned()];
     }
 }
 
-/// Says what a parameter without constraint is, where nothing else helps.
+/// Adds a help text about a parameter without a constraint to an error without help.
 fn about_any_type(error: Finding, open: Option<&TypeParam<'_>>) -> Finding {
     match open {
         Some(param) if error.help.is_empty() && error.fixes.is_empty() => {
             let name = &param.name.name;
             error.help(format!(
-                "`{name}` may be any type; a constraint says of which: `type {name}: number`"
+                "`{name}` may be any type; add a constraint: `type {name}: number`"
             ))
         }
         _ => error,
     }
 }
 
-/// A fault that is none if the parameters have another constraint.
+/// Turns an error that another constraint would remove into one about that constraint.
 fn lacks(error: Finding, constraint: Constraint, params: &[&TypeParam<'_>]) -> Finding {
     let word = constraint.word();
     let declared = params
@@ -293,7 +298,7 @@ fn lacks(error: Finding, constraint: Constraint, params: &[&TypeParam<'_>]) -> F
         };
     }
     let help = format!(
-        "for {} it has a meaning: `{declared}`",
+        "this is defined for {}: `{declared}`",
         constraint.described()
     );
     finding.help(help).fix(fix)

@@ -1,4 +1,4 @@
-//! What an operator gives as far as one known operand tells, while types are looked for and after faults.
+//! Guesses of the result type of an operator from one known operand, used during type inference and after errors.
 
 use super::order::Guess;
 use crate::ty::{Ty, join};
@@ -7,7 +7,7 @@ use rpi_syntax::ops::{BinaryOp, UnaryOp};
 
 use BinaryOp::{Add, And, Div, Ge, Gt, Implies, IntDiv, Le, Lt, Mod, Mul, Or, Sub, Xor};
 
-/// What the result is whatever the operand.
+/// Returns the result type if it does not depend on the operand, else `Unknown`.
 pub(super) fn unary_guess(op: UnaryOp) -> Ty {
     match op {
         UnaryOp::Not => Ty::Bool,
@@ -17,24 +17,24 @@ pub(super) fn unary_guess(op: UnaryOp) -> Ty {
     }
 }
 
-/// Whether an operand of this type says little of the result.
+/// Whether the type of an operand says little about the result type.
 fn is_vague(ty: &Ty) -> bool {
     matches!(ty, Ty::Time | Ty::Int)
 }
 
-/// What the result is as far as one known operand tells.
+/// Returns the result type as far as it follows from the known operand, else `Unknown`.
 pub(super) fn binary_guess(op: BinaryOp, a: &Ty, b: &Ty) -> Ty {
     match op {
         _ if [a, b].iter().any(|ty| matches!(ty, Ty::Array(..))) => Ty::Unknown,
         And | Or | Xor | Implies | Lt | Le | Gt | Ge => Ty::Bool,
-        // An integer may be meant as a real, which may be what is wrong with the other one.
+        // An integer literal may be meant as a real, which may be the very error of the other operand.
         Add | Sub | Mod if !is_vague(a) && !is_vague(b) => join(a, b).unwrap_or(Ty::Unknown),
         IntDiv => Ty::Int,
         _ => Ty::Unknown,
     }
 }
 
-/// What the result is if the one known operand is a number that says so.
+/// Returns the result type guessed from a known operand that is a number; `None` if the policy `by` forbids the guess.
 pub(super) fn guess_by_number(by: Guess, op: BinaryOp, a: &Ty, b: &Ty) -> Option<Ty> {
     let known = if a.is_unknown() { b } else { a };
     let says = match known {

@@ -1,4 +1,4 @@
-//! The ports of a callable: all that a caller needs to know of it.
+//! Headers of callables: the ports, and everything else that a caller needs.
 
 use super::Checker;
 use super::body::Body;
@@ -19,28 +19,30 @@ use rpi_syntax::ast::{
 };
 use std::rc::Rc;
 
-/// The ports of a callable for one choice of static arguments.
+/// Header of a callable for one choice of static arguments.
 #[derive(Debug)]
 pub(super) struct Header {
     pub(super) decl: DeclId,
     pub(super) statics: Rc<Statics>,
+    /// Name with the static arguments.
     pub(super) name: Name,
     pub(super) kind: UnitKind,
     pub(super) span: Span,
-    /// In the order of [`Unit::inputs`].
+    /// In-ports and parameters, in the order of [`Unit::inputs`].
     pub(super) inputs: Vec<Port>,
     pub(super) outputs: Vec<Port>,
+    /// Frames of the signature without a declaration; each is bound to the frame of an argument.
     pub(super) free_frames: Vec<Name>,
 }
 
 impl Header {
-    /// Whether it is one of several of its declaration, by the types or values that were chosen.
+    /// Whether this is an instance of a generic callable, chosen by types or values.
     pub(super) fn is_instance(&self) -> bool {
         let mut statics = self.statics.values();
         statics.any(|value| matches!(value, Static::Ty(_) | Static::Value(_)))
     }
 
-    /// The type of its output, or the tuple of all.
+    /// Returns the type of the output, or the tuple type of several outputs.
     pub(super) fn result_type(&self) -> Ty {
         if let [one] = &self.outputs[..] {
             return one.ty.clone();
@@ -53,32 +55,33 @@ impl Header {
     }
 }
 
-/// A port.
+/// Port of a callable.
 #[derive(Debug)]
 pub(super) struct Port {
     pub(super) name: Name,
     pub(super) ty: Ty,
     pub(super) role: FlowRole,
     pub(super) has_default: bool,
-    /// Whether it is declared between `<<` and `>>`.
+    /// Whether the port is declared in `<<...>>`.
     pub(super) is_static: bool,
-    /// Whether it decides about the clock of another port.
+    /// Whether the port decides the clock of another port.
     pub(super) decides: bool,
-    /// The port that its clock is sampled by, and for which value.
+    /// Port that decides the clock of this port, and the value for which this port is present.
     pub(super) clock: Option<(Name, u32)>,
-    /// Whether it is declared with `?`.
+    /// Whether the port is declared optional (`?`).
     pub(super) optional: bool,
     pub(super) span: Span,
 }
 
 impl<'a> Checker<'a> {
-    /// The ports of a callable. Its faults are reported once.
+    /// Returns the header of a callable. Errors in the signature are reported once; `None` if it is not callable or
+    /// nested too deeply.
     pub(super) fn header(&mut self, id: DeclId, statics: Rc<Statics>) -> Option<Rc<Header>> {
         let key = key(id, &statics);
         if let Some(header) = self.headers.get(&key) {
             return header.clone();
         }
-        // A default value may call something that has one.
+        // Headers can nest: a default value may call a unit with default values.
         let is_inside = self.headers_open > 0;
         if is_inside && !self.may_nest("call", self.program.decl(id).span) {
             return None;
@@ -90,7 +93,7 @@ impl<'a> Checker<'a> {
         header
     }
 
-    /// The ports that a static parameter of `id` has, which is a node: all that is known before one is given.
+    /// Returns the header of a node parameter of `id`, as far as its declaration gives it.
     pub(super) fn open_header(
         &mut self,
         id: DeclId,
@@ -153,7 +156,7 @@ impl<'a> Checker<'a> {
     }
 }
 
-/// A port as it is declared for a node that is a static parameter.
+/// Returns a port of a node parameter.
 fn wanted_port(name: &Ident, ty: Ty, role: FlowRole, has_default: bool) -> Port {
     Port {
         name: name.name.clone(),
@@ -168,7 +171,7 @@ fn wanted_port(name: &Ident, ty: Ty, role: FlowRole, has_default: bool) -> Port 
     }
 }
 
-/// A port by itself.
+/// Returns the port of a flow.
 fn port(unit: &Unit, id: FlowId) -> Port {
     let flow = unit.flow(id);
     Port {
@@ -186,7 +189,7 @@ fn port(unit: &Unit, id: FlowId) -> Port {
     }
 }
 
-/// What kind of unit a declaration makes.
+/// Returns the kind of unit that a declaration defines; `None` if it is not callable.
 pub(super) fn kind_of(kind: DeclKind<'_>) -> Option<UnitKind> {
     Some(match kind {
         DeclKind::Node(node) => match node.kind {
@@ -202,7 +205,7 @@ pub(super) fn kind_of(kind: DeclKind<'_>) -> Option<UnitKind> {
     })
 }
 
-/// A primitive that depends on its in-ports alone is as good as a function.
+/// Returns the kind of a primitive: a stateless computation is a function, anything else a node.
 fn primitive_kind(name: &str) -> UnitKind {
     let is_pure = |prim: PrimId| {
         let desc = prim.desc();
@@ -231,7 +234,7 @@ impl<'a> Body<'_, 'a> {
         self.in_signature = false;
     }
 
-    /// In Lustre a type parameter is not called like a type of the file.
+    /// Reports a Lustre type parameter with the name of a type of the file.
     fn types_are_new(&mut self, id: DeclId) {
         for param in self.c.params_of(id) {
             let super::statics::Param::Type(name, _) = param else {
@@ -251,7 +254,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// Static values that are not known yet are flows.
+    /// Declares static values that are only known at load time as flows.
     fn declare_opaque(&mut self, id: DeclId) {
         for param in self.c.params_of(id) {
             let super::statics::Param::Value(name, def) = param else {
@@ -291,7 +294,7 @@ impl<'a> Body<'_, 'a> {
         self.clocks_come_in();
     }
 
-    /// The clock of an in-port is an in-port: the caller must know when to give a value.
+    /// Reports an in-port whose clock is an out-port: the caller must know when to pass a value.
     fn clocks_come_in(&mut self) {
         for id in self.unit.inputs.clone() {
             let port = self.unit.flow(id).clone();
@@ -301,14 +304,14 @@ impl<'a> Body<'_, 'a> {
             let clock = self.unit.flow(on.flow);
             let message = format!("the clock of the in-port `{}` is an out-port", port.name);
             let finding = Finding::new(Code::RPI3007, message)
-                .at(port.span, format!("given when `{}` says so", clock.name))
-                .also(clock.span, "which is known only afterwards")
-                .help("the clock of an in-port is an in-port");
+                .at(port.span, format!("sampled by `{}`", clock.name))
+                .also(clock.span, "an out-port, known only after the call")
+                .help("declare the clock as an in-port");
             self.report(finding);
         }
     }
 
-    /// A contract looks at all its ports, whoever defines them.
+    /// Declares the ports of a contract. A contract reads all of them, so that its out-ports are in-ports, too.
     fn contract_ports(&mut self, signature: &'a Signature) {
         for ports in [&signature.inputs, &signature.outputs] {
             self.inputs(ports.as_deref().unwrap_or_default(), FlowRole::Input);
@@ -338,7 +341,7 @@ impl<'a> Body<'_, 'a> {
             let port = self.port_ty(&decl.ty);
             let role = if decl.is_const { FlowRole::Param } else { role };
             for name in &decl.names {
-                // What decides about sizes is a static parameter.
+                // A constant port that decides sizes is a static parameter and has been declared.
                 if decl.is_const && self.statics.contains_key(&name.name) {
                     continue;
                 }
@@ -351,6 +354,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
+    /// Checks the default value of a port.
     fn default_of(&mut self, flow: FlowId, default: &'a rpi_syntax::ast::Expr) {
         let value = self.expr(default);
         let ty = self.unit.flow(flow).ty.clone();

@@ -1,7 +1,7 @@
-//! Contracts that a contract takes up, and `::c::m`, whether a mode of one applies.
+//! Imports of contracts, and `::c::m`, whether a mode of an imported contract applies.
 //!
-//! Each is an instance of its own, which only claims: in it the out-ports of the contract are in-ports. It gives out
-//! whether its modes apply, for those around it to read.
+//! Each import is a separate instance that only makes claims: the out-ports of the contract are in-ports of the
+//! instance. Its outputs are the conditions of its modes.
 
 use super::body::Body;
 use super::report::unknown;
@@ -10,23 +10,25 @@ use crate::typed::{BlockId, Equation, ExprId, FlowRole, Kind, Optional, Place, T
 use rpi_diag::Span;
 use rpi_syntax::ast::{self, Contract, ContractImport, Ident};
 
-/// So many modes of the contracts that a contract takes up can be asked for.
+/// Maximum number of modes that a contract passes on from its imports.
 const MAX_MODES: usize = 1000;
 
-/// The longest path to a mode, `::c::d::m`, in steps: every contract gives out all paths that begin at it.
+/// Maximum length of a path to a mode, such as `::c::d::m`. Every contract passes on all paths that start at it, so
+/// that their number can grow exponentially.
 const MAX_PATH: usize = 16;
 
-/// A contract that is taken up.
+/// Import of a contract.
 #[derive(Clone, Copy)]
 pub(super) struct Import<'a> {
     text: &'a ContractImport,
-    /// The contract that takes it up.
+    /// Block of the importing contract.
     by: BlockId,
-    /// Its instance, as soon as something needs it.
+    /// Call of the instance; `None` until it is first needed.
     call: Option<ExprId>,
 }
 
 impl Import<'_> {
+    /// Returns the name of the imported contract.
     fn name(&self) -> Option<&Ident> {
         match &self.text.call.kind {
             ast::ExprKind::Call(call) => Some(&call.callee.name),
@@ -36,7 +38,7 @@ impl Import<'_> {
 }
 
 impl<'a> Body<'_, 'a> {
-    /// Notes what a contract takes up; the current block is the contract's.
+    /// Records the imports of a contract; the current block must be that of the contract.
     pub(super) fn declare_imports(&mut self, contract: &'a Contract) {
         let by = self.block;
         let imports = contract.imports.iter();
@@ -47,7 +49,7 @@ impl<'a> Body<'_, 'a> {
         }));
     }
 
-    /// The instances of the contracts that a contract takes up. Gives what goes into them.
+    /// Checks the imports of a contract and returns their arguments.
     pub(super) fn check_imports(&mut self, block: BlockId) -> Vec<ExprId> {
         let mut given = Vec::new();
         for at in 0..self.imports.len() {
@@ -59,7 +61,7 @@ impl<'a> Body<'_, 'a> {
         given
     }
 
-    /// What goes into a contract that is taken up, if this is whether one of its modes applies.
+    /// Returns the arguments of an imported contract, if the expression is the condition of one of its modes.
     pub(super) fn mode_of(&self, kind: &Kind) -> Option<Vec<ExprId>> {
         match kind {
             Kind::Part { base, .. } => self.goes_into(*base),
@@ -67,7 +69,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// What goes into a contract that is taken up, if the expression is its instance.
+    /// Returns the arguments of an imported contract, if the expression is its instance.
     fn goes_into(&self, instance: ExprId) -> Option<Vec<ExprId>> {
         let mut imports = self.imports.iter();
         let import = imports.find(|import| import.call == Some(instance))?;
@@ -78,12 +80,14 @@ impl<'a> Body<'_, 'a> {
         Some(given.flatten().copied().collect())
     }
 
-    /// The instance of a contract that is taken up, which is made when it is asked for first.
+    /// Returns the instance of an imported contract; creates it on first use.
     fn instance_of_import(&mut self, at: usize) -> ExprId {
         let import = self.imports[at];
         if let Some(call) = import.call {
             return call;
         }
+        // The instance belongs to the importing contract, not to the claim or quantifier that first reads one of its
+        // modes.
         let around = (self.claim.take(), std::mem::take(&mut self.bound));
         let call = self.within(import.by, |body| body.import(import.text));
         (self.claim, self.bound) = around;
@@ -91,6 +95,7 @@ impl<'a> Body<'_, 'a> {
         call
     }
 
+    /// Checks the call of an imported contract.
     fn import(&mut self, import: &'a ContractImport) -> ExprId {
         let span = import.call.span;
         self.importing = true;
@@ -113,7 +118,7 @@ impl<'a> Body<'_, 'a> {
         value
     }
 
-    /// `::c::m`: whether a mode of a contract that is taken up applies.
+    /// Checks `::c::m`, whether a mode of an imported contract applies.
     pub(super) fn imported_mode_applies(
         &mut self,
         contract: &str,
@@ -144,7 +149,7 @@ impl<'a> Body<'_, 'a> {
         self.add(Kind::Part { base, at }, Ty::Bool, span)
     }
 
-    /// A contract by itself gives out whether each of its modes applies, and those of the contracts that it takes up.
+    /// Declares the outputs of a declared contract: the condition of each of its modes and of those of its imports.
     pub(super) fn give_modes(&mut self, contract: &'a Contract) {
         let applies = std::mem::take(&mut self.applies);
         let own = contract.modes.iter().map(|mode| &mode.name);
@@ -168,7 +173,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// `D::m` for each mode of a contract that is taken up, and whether it applies.
+    /// Returns `D::m` for each mode of an imported contract `D`, with its condition.
     fn modes_of_imports(&mut self) -> Vec<(Ident, ExprId)> {
         let mut modes = Vec::new();
         for at in 0..self.imports.len() {

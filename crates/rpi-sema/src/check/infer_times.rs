@@ -1,9 +1,9 @@
-//! Whether a flow without declared type is a time or in seconds, where its equations leave both open: `t = 0[s]` in one state and
-//! `t = last t + dt` in another, or `a = 5[s] -> pre b; b = a + dt`.
+//! Decides whether a flow without a declared type is an exact time or a real in seconds, where its equations allow
+//! both: `t = 0[s]` in one state and `t = last t + dt` in another, or `a = 5[s] -> pre b; b = a + dt`.
 //!
-//! What is fixed in seconds may be either. So a flow is a time if times go into it and nothing that is in seconds only, through whichever
-//! flows; else it is in seconds. If that is another type than what was found, types are looked for once more, with this one known: the
-//! order of the text decides nothing.
+//! A fixed duration in seconds can be either. A flow is a time if a time reaches it, through any number of flows, and
+//! no value that is only in seconds does; otherwise it is in seconds. If the result differs from the inferred type,
+//! types are inferred again with this one fixed. The order of the text therefore does not matter.
 
 use super::body::Body;
 use super::order::State;
@@ -13,25 +13,26 @@ use crate::ty::Ty;
 use crate::typed::{Each, Expr, ExprId, FlowId, FlowRole, Kind, PrimCall, Unit};
 use std::collections::BTreeMap;
 
-/// How often types are looked for again; after the first time they only become seconds.
+/// Maximum number of rounds of inference. After the first round, types can only change from time to seconds.
 const ROUNDS: u32 = 4;
 
-/// What goes into a flow.
+/// Kinds of values that reach a flow, and its neighbours.
 #[derive(Default)]
 struct Sources {
+    /// Whether a time reaches it.
     time: bool,
-    /// Seconds that are not fixed.
+    /// Whether seconds that are not fixed reach it.
     seconds: bool,
-    /// The flows, of those whose types are looked for, that read this one.
+    /// Flows with an inferred type that read this one.
     readers: Vec<FlowId>,
-    /// Those that it reads.
+    /// Flows with an inferred type that it reads.
     reads: Vec<FlowId>,
-    /// Whether it, or a version of it in a state, was taken as a time, and as seconds.
+    /// Whether the flow, or a flow of a state that contributes to it, was inferred as a time, and as seconds.
     taken: [bool; 2],
 }
 
 impl Body<'_, '_> {
-    /// Finds the types of all flows that have none declared.
+    /// Infers the types of all flows without a declared type.
     pub(super) fn infer_with_times(&mut self) {
         let is_open =
             |k: &usize| self.pending[*k].state == State::Open && self.pending[*k].infers();
@@ -49,7 +50,7 @@ impl Body<'_, '_> {
         self.infer();
     }
 
-    /// Adds what flows are that have been taken for something else; whether there are any.
+    /// Adds the correct type of each wrongly inferred flow to `settled`; returns whether there are any.
     fn settle_mistaken(&self, open: &[usize], settled: &mut Map<FlowId, Ty>) -> bool {
         let mut all = self.sources(open, settled);
         spread_seconds(&mut all);
@@ -65,7 +66,7 @@ impl Body<'_, '_> {
         changed
     }
 
-    /// What goes into each flow that may be either.
+    /// Returns the sources of each flow that may be a time or seconds.
     fn sources(&self, open: &[usize], settled: &Map<FlowId, Ty>) -> BTreeMap<FlowId, Sources> {
         let mut all: BTreeMap<FlowId, Sources> = BTreeMap::new();
         let mut values: Vec<(FlowId, ExprId)> = Vec::new();
@@ -81,7 +82,7 @@ impl Body<'_, '_> {
                 let sources = all.entry(outer).or_default();
                 sources.taken[0] |= types.contains(&&Ty::Duration);
                 sources.taken[1] |= types.contains(&&SECONDS);
-                // It was to be a time, and its value is none all the same.
+                // It was fixed as a time, but its value is still in seconds.
                 sources.seconds |= settled.get(&outer) == Some(&Ty::Duration)
                     && *self.ty_of(value) == SECONDS
                     && self.fixed_parts(value).is_none();
@@ -94,10 +95,12 @@ impl Body<'_, '_> {
         all
     }
 
+    /// Returns the outermost shared flow that a flow contributes to, or the flow itself.
     fn outermost(&self, flow: FlowId) -> FlowId {
         self.shared_around(flow).last().unwrap_or(flow)
     }
 
+    /// Adds the sources of a flow's defining value.
     fn sources_of(&self, flow: FlowId, value: ExprId, all: &mut BTreeMap<FlowId, Sources>) {
         let mut open = vec![value];
         while let Some(id) = open.pop() {
@@ -121,7 +124,7 @@ impl Body<'_, '_> {
         }
     }
 
-    /// Forgets the types that were found, but for those that are settled.
+    /// Resets the inferred types, except the settled ones, for another round.
     fn look_again(&mut self, open: &[usize], settled: &Map<FlowId, Ty>) {
         for index in open {
             self.pending[*index].state = State::Open;
@@ -142,7 +145,7 @@ impl Body<'_, '_> {
     }
 }
 
-/// Seconds that go into a flow go into its readers.
+/// Propagates seconds from each flow to its readers.
 fn spread_seconds(all: &mut BTreeMap<FlowId, Sources>) {
     let mut open = flows_with(all, |sources| sources.seconds);
     while let Some(flow) = open.pop() {
@@ -156,7 +159,7 @@ fn spread_seconds(all: &mut BTreeMap<FlowId, Sources>) {
     }
 }
 
-/// So do times; and what is fixed is a time for a reader that is one.
+/// Propagates times from each flow to its readers, and to the fixed durations that it reads.
 fn spread_times(all: &mut BTreeMap<FlowId, Sources>) {
     let mut open = flows_with(all, |sources| sources.time && !sources.seconds);
     while let Some(flow) = open.pop() {
@@ -186,7 +189,7 @@ fn neighbours(
     all.get(&flow).map(which).cloned().unwrap_or_default()
 }
 
-/// Adds the operands that have the type of an expression; false if it has none.
+/// Adds the operands whose type is that of the expression to `open`; returns `false` if there are none.
 fn goes_on(unit: &Unit, expr: &Expr, open: &mut Vec<ExprId>) -> bool {
     match &expr.kind {
         Kind::Part { base, .. } if is_either(&unit.expr(*base).ty) => open.push(*base),
@@ -203,7 +206,7 @@ fn goes_on(unit: &Unit, expr: &Expr, open: &mut Vec<ExprId>) -> bool {
     true
 }
 
-/// Operators of which result and operands are of one kind, in ticks and in seconds.
+/// Primitives whose result and operands are all times or all seconds.
 const KEEPING: &[&str] = &[
     "Core::IntAdd",
     "Rpi::IntSubtract",
@@ -218,13 +221,13 @@ const KEEPING: &[&str] = &[
     "Rpi::SecondsFromTicks",
 ];
 
-/// Whether seconds are a time of the core, converted.
+/// Whether a value in seconds is a converted time of the core.
 fn is_time(kind: &Kind) -> bool {
     let name = |call: &PrimCall| call.prim.desc().name;
     matches!(kind, Kind::Prim(call) if matches!(name(call), "Core::CycleTime" | "Rpi::Time"))
 }
 
-/// Whether seconds may as well be ticks: they are fixed, or nothing is known of them.
+/// Whether a value in seconds may also be in ticks: it is fixed, or its type is unknown.
 fn may_be_either(unit: &Unit, expr: &Expr) -> bool {
     match &expr.kind {
         Kind::Literal(_) | Kind::Const(_) | Kind::Fault | Kind::None => true,
@@ -236,6 +239,7 @@ fn may_be_either(unit: &Unit, expr: &Expr) -> bool {
     }
 }
 
+/// Whether a type is a time or a real in seconds.
 fn is_either(ty: &Ty) -> bool {
     *ty == Ty::Duration || *ty == SECONDS
 }

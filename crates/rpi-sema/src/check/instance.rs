@@ -1,4 +1,4 @@
-//! Instances of what has static parameters: keys that tell them apart, and their names in messages.
+//! Instances of callables and types with static parameters: their keys, and their names in messages.
 
 use super::body::Body;
 use super::header::Header;
@@ -11,7 +11,7 @@ use rpi_syntax::Name;
 use std::fmt::Write;
 use std::rc::Rc;
 
-/// A key that tells one choice of static arguments from another.
+/// Returns the key of an instance: the declaration and its static arguments.
 pub(super) fn key(id: DeclId, statics: &Statics) -> String {
     let mut key = format!("{}", id.0);
     for (name, value) in statics {
@@ -25,7 +25,8 @@ pub(super) fn key(id: DeclId, statics: &Statics) -> String {
 
 fn write_key(value: &Static, key: &mut String) {
     match value {
-        // Not the same as a type that is called so, like that for which a generic node of Kind 2 is checked by itself.
+        // The mark distinguishes a type parameter from a declared type of the same name. A generic Kind 2 node is
+        // checked with such types.
         Static::Ty(Ty::Generic(name)) => {
             key.push('?');
             key.push_str(name);
@@ -41,7 +42,7 @@ fn write_key(value: &Static, key: &mut String) {
     }
 }
 
-/// `Line`, `fill<<3>>`: a name with the static arguments that tell its instances apart, in the order of its parameters.
+/// Returns the name of an instance with its static arguments in the order of the parameters: `Line`, `fill<<3>>`.
 pub(super) fn display(
     program: &Program<'_>,
     name: &Name,
@@ -65,8 +66,8 @@ pub(super) fn display(
 }
 
 impl Body<'_, '_> {
-    /// The instance of a generic callable for the types of its arguments. What these do not tell is reported at the second
-    /// place; without it that is no fault of this call.
+    /// Returns the instance of a generic callable for the types of its arguments. Parameters that cannot be inferred
+    /// are reported at `told_at`, if that is given.
     pub(super) fn instance(
         &mut self,
         header: &Rc<Header>,
@@ -99,6 +100,7 @@ impl Body<'_, '_> {
         }
     }
 
+    /// Reports missing static arguments.
     pub(super) fn report_missing(&mut self, id: DeclId, left: &[Name], span: Span) {
         let decl = self.c.program.decl(id);
         let finding = missing(&decl.name, left, span, decl.span);
@@ -106,7 +108,7 @@ impl Body<'_, '_> {
     }
 }
 
-/// A value that [tells apart](tells_apart), as it is written.
+/// Returns the source text of a value that [distinguishes instances](tells_apart).
 fn written(ty: &Ty, leaves: &[Leaf]) -> String {
     match (ty, leaves) {
         (Ty::Array(element, n), _) => {

@@ -1,4 +1,4 @@
-//! Iterators over arrays: each is written out, one call per element.
+//! Iterators over arrays. They are expanded to one call per element.
 
 use super::access::leaves;
 use super::args::Given;
@@ -14,23 +14,23 @@ use rpi_syntax::ast::{StaticArg, StaticValue};
 use rpi_syntax::ops::BinaryOp;
 use std::rc::Rc;
 
-/// The names of the iterators.
+/// Names of the iterators.
 pub(super) const NAMES: &[&str] = &[
     "map", "red", "fold", "fill", "fillred", "mapfold", "boolred", "condact",
 ];
 
-/// How an iterator goes through its arrays.
+/// Kind of an iterator.
 #[derive(Clone, Copy, PartialEq, Debug)]
 enum Way {
-    /// Each element by itself.
+    /// Applies the callee to each element.
     Map,
-    /// An accumulator goes in and out; elements go in, results come out.
+    /// Passes an accumulator through the calls; each call may also read an element and produce an element.
     Fill,
-    /// How many Booleans are true: between so many and so many.
+    /// Tests whether the number of true elements is in a range, given by its two bounds.
     Count(i64, i64),
 }
 
-/// An iterator with its static arguments.
+/// Iterator with its static arguments.
 #[derive(Clone, Debug)]
 pub(super) struct Iteration {
     name: &'static str,
@@ -40,7 +40,7 @@ pub(super) struct Iteration {
 }
 
 impl Iteration {
-    /// What it is called in messages: `map<<f; 3>>`.
+    /// Returns the name for messages: `map<<f; 3>>`.
     pub(super) fn name(&self, program: &Program<'_>) -> String {
         let size = self.size;
         match (&self.callee, self.way) {
@@ -50,7 +50,7 @@ impl Iteration {
         }
     }
 
-    /// A key that tells it from others.
+    /// Appends the text that distinguishes this iterator from others in keys of instances.
     pub(super) fn write_key(&self, key: &mut String) {
         key.push_str(self.name);
         key.push_str("<<");
@@ -60,12 +60,12 @@ impl Iteration {
         key.push_str(&format!("; {}; {:?}>>", self.size, self.way));
     }
 
-    /// What it goes through, element by element.
+    /// Returns the callable that is applied to each element.
     pub(super) fn callee(&self) -> Option<&Callable> {
         self.callee.as_ref()
     }
 
-    /// The type of an in-port or out-port, given that of the callee's at the same place.
+    /// Returns the type of the port at this place, from that of the callee's port at the same place.
     pub(super) fn port_type(&self, place: usize, of_callee: &Ty) -> Ty {
         match self.way {
             Way::Fill if place == 0 => of_callee.clone(),
@@ -75,7 +75,7 @@ impl Iteration {
 }
 
 impl<'a> Body<'_, 'a> {
-    /// An iterator and what stands in its `<<...>>`.
+    /// Checks an iterator with its static arguments.
     pub(super) fn iteration(
         &mut self,
         name: &'static str,
@@ -110,9 +110,9 @@ impl<'a> Body<'_, 'a> {
                 };
                 let finding = Finding::new(
                     Code::RPI1010,
-                    format!("`{name}` lacks its static arguments"),
+                    format!("wrong number of static arguments of `{name}`"),
                 )
-                .at(span, "not of the right form")
+                .at(span, "wrong number of arguments")
                 .help(format!("write `{form}`"));
                 self.report(finding);
                 None
@@ -120,7 +120,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// Whether `boolred` has bounds as Lustre V6 wants them.
+    /// Checks the bounds of `boolred`, as Lustre V6 does; `None` after an error.
     fn can_count(
         &mut self,
         (least, most): (i64, i64),
@@ -129,11 +129,11 @@ impl<'a> Body<'_, 'a> {
     ) -> Option<()> {
         let (arg, text) = match (least, most) {
             _ if least < 0 => (args[0], format!("{least} is less than 0")),
-            _ if most > n.into() => (args[1], format!("{most} is more than there are: {n}")),
-            _ if least > most => (args[0], format!("{least} is more than {most}")),
+            _ if most > n.into() => (args[1], format!("{most} is greater than the size {n}")),
+            _ if least > most => (args[0], format!("{least} is greater than {most}")),
             _ => return Some(()),
         };
-        let message = "`boolred<<least; most; size>>` wants 0 <= least <= most <= size";
+        let message = "`boolred<<least; most; size>>` requires 0 <= least <= most <= size";
         self.report(Finding::new(Code::RPI2009, message).at(arg.span, text));
         None
     }
@@ -143,7 +143,7 @@ impl<'a> Body<'_, 'a> {
             StaticValue::Expr(expr) => self.integer(expr),
             _ => {
                 let finding = Finding::new(Code::RPI1010, "an integer is expected here")
-                    .at(arg.span, "this is none");
+                    .at(arg.span, "not an integer");
                 self.report(finding);
                 None
             }
@@ -157,7 +157,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// An iterator, applied.
+    /// Applies an iterator to checked arguments.
     pub(super) fn iterate(
         &mut self,
         iteration: &Iteration,
@@ -174,7 +174,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// The element of each array at one place.
+    /// Returns element `k` of each array; reports arrays whose size is not `n`.
     fn elements(&mut self, arrays: &[ExprId], k: u32, n: u32) -> Option<Vec<ExprId>> {
         let place = arrays
             .first()
@@ -212,6 +212,7 @@ impl<'a> Body<'_, 'a> {
         Some(elements)
     }
 
+    /// Calls the callee for one element and returns its outputs.
     fn call_element(&mut self, callee: &Callable, args: Vec<ExprId>, span: Span) -> Vec<ExprId> {
         let given = args.into_iter().map(Given::plain).collect();
         let result = self.apply(callee, given, Activation::Always, span);
@@ -221,6 +222,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
+    /// Checks `map`.
     fn map(&mut self, callee: &Callable, arrays: &[ExprId], n: u32, span: Span) -> ExprId {
         let mut columns: Vec<Vec<ExprId>> = Vec::new();
         for k in 0..n {
@@ -234,14 +236,11 @@ impl<'a> Body<'_, 'a> {
         self.one_or_tuple(arrays, span)
     }
 
-    /// `fill`, `red` (`fold`) and `fillred` (`mapfold`) differ only in what the node takes and gives.
+    /// Checks `fill`, `red` (`fold`) and `fillred` (`mapfold`). They differ only in the ports of the callee.
     fn fill_array(&mut self, callee: &Callable, values: &[ExprId], n: u32, span: Span) -> ExprId {
         let Some((first, arrays)) = values.split_first() else {
-            let finding = Finding::new(
-                Code::RPI1010,
-                "the first value of the accumulator is missing",
-            )
-            .at(span, "no argument");
+            let finding = Finding::new(Code::RPI1010, "missing initial value of the accumulator")
+                .at(span, "expected an argument");
             return self.fault_with(finding, span);
         };
         let mut accumulator = *first;
@@ -262,6 +261,7 @@ impl<'a> Body<'_, 'a> {
         self.one_or_tuple(std::iter::once(accumulator).chain(columns).collect(), span)
     }
 
+    /// Adds an array of the values of one output for all elements.
     fn column(&mut self, elements: &[ExprId], span: Span) -> ExprId {
         let n = u32::try_from(elements.len()).unwrap_or(u32::MAX);
         let element = elements
@@ -270,6 +270,7 @@ impl<'a> Body<'_, 'a> {
         self.add_array(Kind::Build(elements.into()), Rc::new(element), n, span)
     }
 
+    /// Returns the only value, or a tuple of several.
     fn one_or_tuple(&mut self, values: Vec<ExprId>, span: Span) -> ExprId {
         if let [one] = values[..] {
             return one;
@@ -282,7 +283,7 @@ impl<'a> Body<'_, 'a> {
         self.add(Kind::Build(values.into()), Ty::Tuple(members), span)
     }
 
-    /// `boolred<<least; most; n>>(a)`: whether the number of true elements lies between both.
+    /// Checks `boolred<<least; most; n>>(a)`: whether the number of true elements is between the bounds.
     fn count(&mut self, least: i64, most: i64, values: &[ExprId], n: u32, span: Span) -> ExprId {
         let [array] = values else {
             let finding = Finding::new(Code::RPI1010, "`boolred` takes one array")
@@ -305,6 +306,7 @@ impl<'a> Body<'_, 'a> {
         self.logic(prim!("Core::BooleanAnd"), &[at_least, at_most], span)
     }
 
+    /// Adds the sum of `total` and 1 if the condition holds, else `total`.
     fn one_more_if(&mut self, condition: ExprId, total: ExprId, span: Span) -> ExprId {
         let [one, zero] = [1, 0].map(|v| self.add(Kind::Literal(Leaf::int(v)), Ty::Int, span));
         let more = Kind::Each(crate::typed::Each::If, [condition, one, zero].into());
@@ -313,6 +315,7 @@ impl<'a> Body<'_, 'a> {
     }
 }
 
+/// Appends the outputs of one call to the columns.
 fn push_row(columns: &mut Vec<Vec<ExprId>>, row: &[ExprId]) {
     columns.resize_with(columns.len().max(row.len()), Vec::new);
     for (column, value) in columns.iter_mut().zip(row) {

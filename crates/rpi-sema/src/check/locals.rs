@@ -1,4 +1,4 @@
-//! Names inside a body: flows, constants, fragments in place and states, by block.
+//! Names inside a body, by block: flows, constants, inline fragments, and states.
 
 use super::Constant;
 use super::body::Body;
@@ -11,26 +11,27 @@ use rpi_diag::Span;
 use rpi_syntax::Name;
 use rpi_syntax::ast::{self, Ident, Locals};
 
-/// What a name inside a body stands for.
+/// Meaning of a name inside a body.
 #[derive(Clone, Debug)]
 pub(super) enum Local {
-    /// A flow.
+    /// Flow.
     Flow(FlowId),
-    /// A constant.
+    /// Constant.
     Constant(Constant),
-    /// A fragment in place.
+    /// Inline fragment.
     Block(BlockId),
-    /// A state.
+    /// State of an automaton.
     State(BlockId),
-    /// States of several automata: where two of them are declared, and how many there are.
+    /// States of several automata: the locations of two of them, and their number.
     States([Span; 2], usize),
 }
 
-/// The names of one block.
+/// Names of one block.
 #[derive(Default, Debug)]
 pub(super) struct Scope {
+    /// Meaning of each name, and the location of its declaration.
     names: Map<Name, (Local, Span)>,
-    /// In text order, for "did you mean".
+    /// Names in text order, for "did you mean".
     order: Vec<Name>,
 }
 
@@ -41,12 +42,12 @@ impl Scope {
     }
 }
 
-/// How many letters of a text are one expression, where these stand close: memory that is reserved and not used costs
-/// nothing.
+/// Estimated number of source characters per expression in dense text. The estimate may be too low: reserved memory
+/// that is not used costs nothing.
 const LETTERS_PER_EXPR: usize = 5;
 
 impl Body<'_, '_> {
-    /// What a name means here: in this block, or else in those around it.
+    /// Returns the meaning of a name in the current block or the blocks around it.
     pub(super) fn find_local(&self, name: &str) -> Option<Local> {
         let mut block = Some(self.block);
         while let Some(id) = block {
@@ -58,30 +59,30 @@ impl Body<'_, '_> {
         None
     }
 
-    /// What a name means in one block alone.
+    /// Returns the meaning of a name in one block, without the blocks around it.
     pub(super) fn find_in(&self, block: BlockId, name: &str) -> Option<Local> {
         let scope = &self.scopes[block.0 as usize];
         scope.names.get(name).map(|(local, _)| local.clone())
     }
 
-    /// The names that can be seen from here, nearest block first.
+    /// Returns the names visible in the current block, innermost block first.
     pub(super) fn local_names(&self) -> impl Iterator<Item = &str> {
         let blocks = std::iter::successors(Some(self.block), |id| self.unit.block(*id).parent);
         blocks.flat_map(|id| self.names_in(id))
     }
 
-    /// The names of one block in text order.
+    /// Returns the names of one block in text order.
     pub(super) fn names_in(&self, block: BlockId) -> impl Iterator<Item = &str> {
         self.scopes[block.0 as usize].order.iter().map(Name::as_str)
     }
 
-    /// Gives a name a meaning in the current block; a second meaning is reported.
+    /// Declares a name in the current block; reports a second declaration.
     pub(super) fn declare(&mut self, name: &Ident, local: Local) {
         let scope = &mut self.scopes[self.block.0 as usize];
         match scope.names.get(&name.name) {
             Some((first, place)) => {
                 let finding = twice(&name.name, name.span, *place);
-                // Which of them an equation means is not known.
+                // It is not known which of the two an equation defines, so that neither is reported as undefined.
                 for local in [first, &local] {
                     if let Local::Flow(flow) = local {
                         self.broken.push(*flow);
@@ -96,8 +97,8 @@ impl Body<'_, '_> {
         }
     }
 
-    /// Gives a state its name. Another automaton may have a state of that name: then it stands for neither outside of them,
-    /// and a number tells them apart in traces.
+    /// Declares the name of a state. If another automaton has a state of that name, the name is ambiguous outside of
+    /// the automata, and the block's name gets a number for traces.
     pub(super) fn declare_state_name(&mut self, name: &Ident, block: BlockId) {
         let scope = &mut self.scopes[self.block.0 as usize];
         let Some((local, first)) = scope.names.get_mut(&name.name) else {
@@ -112,7 +113,7 @@ impl Body<'_, '_> {
         self.unit.blocks[block.0 as usize].name = format!("{}#{number}", name.name).into();
     }
 
-    /// In Lustre a local flow is not called like a constant of the file.
+    /// Reports a local Lustre flow with the name of a constant of the file.
     pub(super) fn hides_nothing(&mut self, name: &Ident) {
         if self.is_rpi() {
             return;
@@ -131,7 +132,7 @@ impl Body<'_, '_> {
         }
     }
 
-    /// Adds a declared flow to the current block.
+    /// Adds a flow with a declared type to the current block.
     pub(super) fn declare_flow(&mut self, name: &Ident, port: &PortTy, role: FlowRole) -> FlowId {
         let optional = Optional::Declared(port.optional);
         let flow = self.add_flow(name, port.ty.clone(), optional, role);
@@ -139,14 +140,14 @@ impl Body<'_, '_> {
         flow
     }
 
-    /// Adds a flow whose type is that of its equation.
+    /// Adds a flow whose type is inferred from its equation.
     pub(super) fn introduce_flow(&mut self, name: &Ident) -> FlowId {
         let flow = self.add_flow(name, Ty::Unknown, Optional::Inferred, FlowRole::Local);
         self.declare(name, Local::Flow(flow));
         flow
     }
 
-    /// Adds a flow to the table, without a meaning for its name.
+    /// Adds a flow without declaring its name.
     pub(super) fn add_flow(
         &mut self,
         name: &Ident,
@@ -169,8 +170,8 @@ impl Body<'_, '_> {
         id
     }
 
-    /// Makes room for what a body declares, all at once: a table that grows step by step is copied at every step, and each
-    /// page of each copy is one that the system has to clear.
+    /// Reserves memory for the declarations and equations of a body. Growing a table step by step copies it at every
+    /// step, and the system must clear each page of each copy.
     pub(super) fn make_room(&mut self, body: &ast::Body) {
         let flows = self.new_flows(body);
         self.unit.flows.reserve(flows);
@@ -185,7 +186,7 @@ impl Body<'_, '_> {
         }
     }
 
-    /// How many flows a body declares or introduces, at most.
+    /// Returns an upper bound of the number of flows that a body declares or introduces.
     fn new_flows(&self, body: &ast::Body) -> usize {
         let declared = body.locals.iter().map(|section| match section {
             Locals::Var(vars) => vars.iter().map(|var| var.names.len()).sum(),

@@ -1,8 +1,8 @@
-//! Borders of blocks that may be inactive: behind one of these a flow of the block is an optional flow of the surroundings.
+//! Blocks that may be inactive. A flow of such a block is optional for readers outside it.
 
 use crate::typed::{BlockId, FlowId, Unit};
 
-/// The blocks of a unit, and which of them may be inactive while the block around is active.
+/// Blocks of a unit, each marked with whether it may be inactive while its parent block is active.
 #[derive(Clone, Debug)]
 pub struct Borders<'u> {
     unit: &'u Unit,
@@ -10,7 +10,7 @@ pub struct Borders<'u> {
 }
 
 impl<'u> Borders<'u> {
-    /// The borders of a unit.
+    /// Creates the table for a unit. Blocks with a condition and states of automata may be inactive.
     #[must_use]
     pub fn new(unit: &'u Unit) -> Self {
         let has_condition = unit.blocks.iter().map(|block| block.when.is_some());
@@ -19,18 +19,19 @@ impl<'u> Borders<'u> {
         for state in automata.flat_map(|automaton| &automaton.states) {
             gated[state.block.0 as usize] = true;
         }
-        // A fragment's own activation is its caller's business.
+        // The activation of the fragment itself is handled where it is called.
         gated[0] = false;
         Borders { unit, gated }
     }
 
-    /// Whether there is any.
+    /// Returns whether any block may be inactive.
     #[must_use]
     pub fn any(&self) -> bool {
         self.gated.contains(&true)
     }
 
-    /// Whether one lies between a block and one around it.
+    /// Returns whether a block that may be inactive lies on the way from block `from` outwards to block `to`. False if
+    /// `to` does not enclose `from`.
     #[must_use]
     pub fn crossed(&self, from: BlockId, to: BlockId) -> bool {
         let mut block = from;
@@ -45,7 +46,7 @@ impl<'u> Borders<'u> {
         crossed
     }
 
-    /// Whether one lies between a flow and an expression in another block that reads it.
+    /// Returns whether an expression in block `reader` reads `flow` from outside a block that may be inactive.
     #[must_use]
     pub fn is_outside(&self, flow: FlowId, reader: BlockId) -> bool {
         let own = self.unit.flow(flow).block;

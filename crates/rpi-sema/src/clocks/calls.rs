@@ -1,5 +1,5 @@
-//! Clocks of a callee's ports as its caller sees them: relative to the clock of the call, and to the caller's names for
-//! what decides.
+//! Clocks of a callee's ports, translated into the caller's terms: relative to the clock of the call, with the caller's
+//! names for the deciding flows.
 
 use super::clock::{Clock, Decider, Tick};
 use super::row::Row;
@@ -7,7 +7,7 @@ use super::solve::Solver;
 use crate::typed::{Activation, BlockId, Call, ExprId, FlowId, Unit, UnitKind};
 
 impl<'u> Solver<'u> {
-    /// A call: the clock by which it runs, and those of its results.
+    /// Returns the clocks of a call's results and records the clock of the call itself.
     pub(super) fn call(&mut self, id: ExprId, call: &'u Call) -> Row<Clock> {
         let units = self.units;
         let callee = &units[call.unit.0 as usize];
@@ -31,7 +31,7 @@ impl<'u> Solver<'u> {
         Row::of(leaves.into_iter(), base)
     }
 
-    /// The clock at which the arguments meet, and what decides about the call.
+    /// Returns the clock of the call: the common clock of its arguments and of the operands of its activation.
     fn base(&mut self, call: &Call, callee: &Unit) -> Clock {
         let mut clocks = Vec::new();
         for (formal, arg) in callee.inputs.iter().zip(&call.args) {
@@ -51,7 +51,7 @@ impl<'u> Solver<'u> {
         base.unwrap_or(Clock::ANY)
     }
 
-    /// What decides inside of the call has a clock of the caller, too.
+    /// Records the caller's clocks of the flows inside the callee that decide about clocks of its outputs.
     fn move_exposed(&mut self, id: ExprId, call: &Call, base: Clock) {
         let clocks = &self.facts[call.unit.0 as usize].clocks;
         for (number, (_, clock)) in (0..).zip(clocks.exposed()) {
@@ -60,7 +60,7 @@ impl<'u> Solver<'u> {
         }
     }
 
-    /// A clock of the callee for the caller.
+    /// Translates a clock of the callee, given as a path of samplings, into a clock of the caller.
     pub(super) fn through(&mut self, id: ExprId, call: &Call, path: &[Tick], base: Clock) -> Clock {
         let Some(tick) = path.last() else {
             return base;
@@ -71,7 +71,8 @@ impl<'u> Solver<'u> {
         }
     }
 
-    /// What decides inside of a call, as the caller knows it: the flow that is given for it, if that has a name.
+    /// Translates a decider of the callee: to the argument passed for it if that has a name, else to an exposed decider
+    /// of the call.
     fn decider_inside(&mut self, id: ExprId, call: &Call, by: Decider) -> Option<Decider> {
         let callee = &self.units[call.unit.0 as usize];
         if let Decider::Flow(flow) = by
@@ -85,7 +86,7 @@ impl<'u> Solver<'u> {
         Some(Decider::Inside(id, u32::try_from(number).ok()?))
     }
 
-    /// What a leaf of a callee's port is sampled by, in the callee's terms.
+    /// Returns the samplings of leaf `k` of a callee's port, in the callee's terms, from its base clock on.
     pub(super) fn port_path(
         &self,
         call: &Call,
@@ -99,7 +100,8 @@ impl<'u> Solver<'u> {
         }
         let mut path = Vec::new();
         let mut at = port;
-        // A flow that decides about itself has been reported in the callee.
+        // A flow that decides about its own clock has been reported in the callee. The bound on the length ends the
+        // loop here.
         let declared = |at: FlowId| callee.flow(at).clock;
         while let Some(on) = declared(at).filter(|_| path.len() < callee.flows.len()) {
             let by = Decider::Flow(on.flow);
@@ -113,7 +115,7 @@ impl<'u> Solver<'u> {
         path
     }
 
-    /// What decides about the clocks of the out-ports.
+    /// Returns the flows that decide about the clocks of the outputs, each with its own clock.
     pub(super) fn exposed(&self) -> Vec<(Decider, Clock)> {
         let mut exposed: Vec<(Decider, Clock)> = Vec::new();
         let rows = self
@@ -134,7 +136,8 @@ impl<'u> Solver<'u> {
     }
 }
 
-/// Whether a called fragment may be inactive in a cycle of its caller: then its results are optional flows of the caller.
+/// Returns whether a called fragment may be inactive in a cycle of its caller. Its results are then optional flows of
+/// the caller.
 pub(crate) fn may_be_inactive(callee: &Unit) -> bool {
     callee.kind == UnitKind::Fragment && callee.block(BlockId::ROOT).when.is_some()
 }

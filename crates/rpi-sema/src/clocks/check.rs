@@ -1,4 +1,4 @@
-//! Clocks that do not meet: where a value of one clock is needed and another is found, both are named.
+//! Checks for clock mismatches. The message names both the clock found and the clock expected.
 
 use super::clock::Clock;
 use super::covered::Covered;
@@ -9,12 +9,12 @@ use crate::typed::{Call, Each, Equation, ExprId, FlowId, Kind, Optional, Place};
 use rpi_diag::{Code, Finding, Fix, Span};
 use std::collections::{BTreeMap, BTreeSet};
 
-const APART: &str = "two clocks do not meet";
+const APART: &str = "clock mismatch";
 
 const SAMPLE_OR_HOLD: &str =
     "sample the faster flow (`x when c`), or hold the slower one (`current x`)";
 
-/// Checks the clocks of a unit.
+/// Checks the clocks of a unit and returns the errors.
 pub(super) fn check(solver: &mut Solver<'_>) -> Vec<Finding> {
     let faulty = vec![false; solver.unit.exprs.len()];
     let mut check = Check {
@@ -41,13 +41,13 @@ pub(super) fn check(solver: &mut Solver<'_>) -> Vec<Finding> {
 
 pub(super) struct Check<'s, 'u> {
     pub(super) solver: &'s mut Solver<'u>,
-    /// Expressions of which a part has been reported: what reads them fits.
+    /// For each expression, whether it or one of its operands has been reported. Its readers are then not checked.
     faulty: Vec<bool>,
     findings: Vec<Finding>,
     reported: BTreeSet<Span>,
-    /// Of each `current` that is sampled where it stands, `current x when c`, the whole.
+    /// For each `current` that is sampled directly (`current x when c`), the span of the whole expression.
     sampled_currents: BTreeMap<ExprId, Span>,
-    /// `current` of what is there in all cycles, with its operand.
+    /// `current` expressions whose operand has a leaf on the base clock, each with that operand.
     currents: Vec<(ExprId, ExprId)>,
 }
 
@@ -56,7 +56,7 @@ impl<'u> Check<'_, 'u> {
         for (id, flow) in (0..).map(FlowId).zip(&self.solver.unit.flows) {
             let clock = self.solver.flows[id.0 as usize].leaf(0);
             if flow.clock.is_some() && self.solver.chain(clock).is_none() {
-                let text = "this flow decides about its own clock";
+                let text = "the clock of this flow depends on the flow itself";
                 self.report(flow.span, text.to_owned());
             }
         }
@@ -70,7 +70,7 @@ impl<'u> Check<'_, 'u> {
         self.solver.exprs[id.0 as usize].clone()
     }
 
-    /// What an expression needs of its operands.
+    /// Checks the operands of an expression.
     fn expr(&mut self, id: ExprId) {
         let unit = self.solver.unit;
         let kind = &unit.expr(id).kind;
@@ -105,8 +105,8 @@ impl<'u> Check<'_, 'u> {
         self.faulty[id.0 as usize] = !fits;
     }
 
-    /// Operands of a strict operator. Outside of Lustre those of slower clocks are optional there, but for the end of
-    /// `s - 1 when c`, of which it seems that the whole was meant.
+    /// Checks the operands of a strict operator. Outside Lustre, operands of slower clocks are optional, so only the
+    /// last operand of `s - 1 when c` is checked: there the whole was probably meant to be sampled.
     fn strict(&mut self, id: ExprId, operands: &[ExprId]) -> bool {
         let own = Row::All(self.row(id).leaf(0));
         match self.sampled_end(id, operands) {
@@ -116,7 +116,7 @@ impl<'u> Check<'_, 'u> {
         }
     }
 
-    /// Whether all of a value has a clock; reports it if not.
+    /// Returns whether all leaves of an expression have the expected clocks. Reports a mismatch.
     fn exact(&mut self, id: ExprId, wanted: &Row<Clock>) -> bool {
         let own = self.row(id);
         let count = self.solver.unit.expr(id).ty.leaf_count().max(1);
@@ -133,12 +133,12 @@ impl<'u> Check<'_, 'u> {
 
     fn apart(&mut self, found: Clock, wanted: Clock, span: Span) -> bool {
         let [found, wanted] = [found, wanted].map(|clock| self.words(clock));
-        let text = format!("this is {found}, but {wanted} is needed here");
+        let text = format!("expected a value {wanted}, found one {found}");
         self.report(span, text);
         false
     }
 
-    /// The end of `s - 1 when c`, if nothing before it is sampled.
+    /// Returns the last operand of `s - 1 when c` if only that operand is sampled.
     fn sampled_end(&self, id: ExprId, operands: &[ExprId]) -> Option<ExprId> {
         let unit = self.solver.unit;
         let (last, others) = operands.split_last()?;
@@ -152,7 +152,7 @@ impl<'u> Check<'_, 'u> {
         (is_end && !others.iter().any(is_sampled)).then_some(*last)
     }
 
-    /// `s - 1 when c`, of which only the end is sampled: if that does not fit, the whole was meant, it seems.
+    /// Checks the last operand of `s - 1 when c`. On a mismatch, suggests sampling the whole expression.
     fn sampled_in_part(&mut self, id: ExprId, end: ExprId, own: &Row<Clock>) -> bool {
         if self.exact(end, own) {
             return true;
@@ -173,8 +173,8 @@ impl<'u> Check<'_, 'u> {
         false
     }
 
-    /// What is sampled has the clock of the flow that decides, or a faster one from which that is sampled. Outside of
-    /// Lustre what is slower is optional there.
+    /// Returns whether the operand of `when` has the clock of the deciding flow or a faster one in its chain. Outside
+    /// Lustre, a slower operand is optional and always accepted.
     fn sampled(&mut self, id: ExprId, value: ExprId) -> bool {
         let unit = self.solver.unit;
         self.sampled_currents.insert(value, unit.expr(id).span);
@@ -211,7 +211,7 @@ impl<'u> Check<'_, 'u> {
         fits
     }
 
-    /// Values go where their clock is the declared one, or where they may be absent beyond that.
+    /// Checks that each equation's value has the clock of its target, unless the target may be absent beyond its clock.
     fn equations(&mut self) {
         for k in 0..self.solver.reads.definitions.len() {
             if let Definition::Equation(_, equation) = self.solver.reads.definitions[k]
@@ -244,13 +244,13 @@ impl<'u> Check<'_, 'u> {
         }
     }
 
-    /// Whether a flow takes values of slower clocks, too.
+    /// Returns whether a flow also accepts values of slower clocks.
     fn is_lifted(&self, flow: FlowId) -> bool {
         self.solver.inferred[flow.0 as usize]
             || !self.is_lustre() && self.solver.unit.flow(flow).optional == Optional::Declared(true)
     }
 
-    /// In Lustre what decides, and what is published, has a value in all cycles.
+    /// In Lustre, checks that conditions of blocks, ends and transitions, and exported values, are on the base clock.
     fn read_always(&mut self) {
         if !self.is_lustre() {
             return;
@@ -297,16 +297,16 @@ impl<'u> Check<'_, 'u> {
         }
     }
 
-    /// Adds a finding that has no place of its own among those about clocks that do not meet.
+    /// Adds a diagnostic at a place that has no clock diagnostic yet.
     pub(super) fn add(&mut self, finding: Finding) {
         if self.reported.insert(finding.span()) {
             self.findings.push(finding);
         }
     }
 
-    /// `current` of what is there in all cycles, maybe because values of different clocks meet in it.
+    /// Reports `current` of a flow on the base clock. Lists operands of different clocks as a possible cause.
     fn not_sampled(&mut self) {
-        // What is around it has been told not to fit.
+        // A mismatch around this place has been reported already; this one would follow from it.
         let told = Covered::by(&self.reported);
         for (id, operand) in std::mem::take(&mut self.currents) {
             let unit = self.solver.unit;
@@ -314,7 +314,7 @@ impl<'u> Check<'_, 'u> {
             if told.contain(span) || !self.reported.insert(span) {
                 continue;
             }
-            let told = "`current` of a flow that is not sampled";
+            let told = "`current` of a flow on the base clock has no effect";
             let mut finding = Finding::new(Code::RPI3007, APART).at(span, told);
             let mut parts = Vec::new();
             unit.expr(operand)
@@ -325,7 +325,7 @@ impl<'u> Check<'_, 'u> {
             for part in parts.into_iter().filter(|_| !is_call) {
                 let clock = self.solver.whole(part);
                 if clock != own {
-                    let text = format!("this is {}", self.words(clock));
+                    let text = format!("the clock of this operand is {}", self.words(clock));
                     finding = finding.also(unit.expr(part).span, text);
                 }
             }
@@ -345,7 +345,8 @@ impl<'u> Check<'_, 'u> {
         }
     }
 
-    /// Whether a delay or an initialisation does not mix clocks; `if` may.
+    /// Returns whether an initialisation (`->`, or `if` on the first cycle) has operands of one clock. Any other `if`
+    /// may mix clocks.
     fn is_of_one_clock(&mut self, id: ExprId, each: Each, operands: &[ExprId]) -> bool {
         match (each, operands) {
             (Each::Arrow, [a, b]) => self.mixes_none(id, [*a, *b]),

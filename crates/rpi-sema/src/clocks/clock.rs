@@ -1,50 +1,51 @@
-//! Clocks while they are being worked out: a tree of samplings that grows from all cycles of the unit.
+//! Clocks during inference: a tree of samplings whose root is the base clock of the unit.
 
 use crate::hash::{Map, Set};
 use crate::typed::{ExprId, FlowId};
 
-/// What decides whether a clock ticks.
+/// Flow whose value decides whether a clock ticks.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
 pub enum Decider {
-    /// A flow of the unit.
+    /// Flow of the unit.
     Flow(FlowId),
-    /// What decides about results of a call and has no name in the unit: the entry of this number in the list
-    /// [`Clocks::exposed`](super::Clocks::exposed) of the called unit.
+    /// Unnamed decider inside a call: the call expression and the index in [`Clocks::exposed`](super::Clocks::exposed)
+    /// of the called unit.
     Inside(ExprId, u32),
 }
 
-/// One sampling: the cycles in which what decides has this value.
+/// One sampling: the cycles in which the decider has the given value.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub struct Tick {
-    /// What decides.
+    /// Decider of the sampling.
     pub by: Decider,
-    /// The value: 0 or 1 for a Boolean, the place of an enum's value.
+    /// Value of the decider: 0 or 1 for a Boolean, the index of an enum's value.
     pub value: u32,
 }
 
-/// A clock: every clock, all cycles of the unit, or one sampling, whose parent is the clock of what decides.
+/// Clock of a leaf during inference: any clock, the base clock, or one sampling. The parent of a sampling is the clock
+/// of its decider.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub(super) struct Clock(u32);
 
 impl Clock {
-    /// That of a constant, which fits every clock; also what is not known yet.
+    /// Clock of a constant, compatible with every clock. Also the initial value during inference.
     pub(super) const ANY: Clock = Clock(u32::MAX);
-    /// All cycles of the unit.
+    /// Base clock: all cycles of the unit.
     pub(super) const BASE: Clock = Clock(0);
 
-    /// The clock of the sampling of this number.
+    /// Returns the clock of sampling number `number` of [`Ticks`].
     pub(super) fn numbered(number: usize) -> Clock {
         Clock(u32::try_from(number + 1).unwrap_or(u32::MAX - 1))
     }
 
-    /// The number of its sampling.
+    /// Returns the number of the clock's sampling; none for [`Clock::ANY`] and [`Clock::BASE`].
     pub(super) fn sampling(self) -> Option<usize> {
         let sampled = self != Clock::ANY && self != Clock::BASE;
         sampled.then(|| self.0 as usize - 1)
     }
 }
 
-/// All samplings of a unit.
+/// All samplings of a unit, each stored once.
 #[derive(Debug, Default)]
 pub(super) struct Ticks {
     all: Vec<Tick>,
@@ -53,7 +54,7 @@ pub(super) struct Ticks {
 }
 
 impl Ticks {
-    /// The clock that a sampling makes.
+    /// Returns the clock of a sampling, adding the sampling if it is new.
     pub(super) fn clock(&mut self, tick: Tick) -> Clock {
         let next = Clock::numbered(self.all.len());
         let (all, deciders) = (&mut self.all, &mut self.deciders);
@@ -64,22 +65,22 @@ impl Ticks {
         })
     }
 
-    /// The sampling of a clock.
+    /// Returns the sampling of a clock; none for [`Clock::ANY`] and [`Clock::BASE`].
     pub(super) fn tick(&self, clock: Clock) -> Option<Tick> {
         self.all.get(clock.sampling()?).copied()
     }
 
-    /// The clock of a sampling that is known.
+    /// Returns the clock of a sampling that has been added before.
     pub(super) fn clock_of(&self, tick: Tick) -> Option<Clock> {
         self.known.get(&tick).copied()
     }
 
-    /// Whether something is sampled by this.
+    /// Returns whether a sampling with this decider exists.
     pub(super) fn has(&self, by: Decider) -> bool {
         self.deciders.contains(&by)
     }
 
-    /// How many there are.
+    /// Number of samplings.
     pub(super) fn len(&self) -> usize {
         self.all.len()
     }

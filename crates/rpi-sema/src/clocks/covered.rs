@@ -1,11 +1,14 @@
-//! Whether a place lies in one of many others, asked often: so that a thousand faults are told in a thousand steps.
+//! Set of spans that answers in logarithmic time whether one of them contains a given span.
+//!
+//! A linear search for each diagnostic would make a program with many clock errors take quadratic time.
 
 use rpi_diag::Span;
 use std::collections::BTreeSet;
 
-/// Places in the text.
+/// Set of spans in the source text.
 pub(super) struct Covered {
-    /// In the order of their starts; the end is the last of all in that file up to there.
+    /// Spans in ascending order of their starts. The end of each is the greatest end of all spans before it in the
+    /// file.
     spans: Vec<Span>,
 }
 
@@ -20,7 +23,7 @@ impl Covered {
         Covered { spans }
     }
 
-    /// Whether one of the places contains another.
+    /// Returns whether one of the spans contains `place`.
     pub(super) fn contain(&self, place: Span) -> bool {
         let starts = |span: &Span| (span.file, span.start) <= (place.file, place.start);
         let before = self.spans.partition_point(starts);

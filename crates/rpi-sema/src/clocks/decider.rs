@@ -1,11 +1,11 @@
-//! One name for what decides about clocks: a flow that only passes on another, or part of one, is that one.
+//! Canonical names of deciding flows. A flow that only copies another flow, or a part of one, is named after that flow.
 
 use super::clock::Decider;
 use super::solve::Solver;
 use crate::typed::{Activation, ExprId, FlowId, Kind, Place, Unit};
 
 impl Solver<'_> {
-    /// What a flow that decides is called.
+    /// Returns the canonical decider for a flow.
     pub(super) fn name(&mut self, flow: FlowId) -> Decider {
         if let Some(known) = self.named.get(&flow) {
             return *known;
@@ -15,7 +15,7 @@ impl Solver<'_> {
         name
     }
 
-    /// What decides where a leaf of an expression does.
+    /// Returns the decider that leaf `k` of an expression stands for; none if the expression computes a new value.
     pub(super) fn decider(&mut self, id: ExprId, k: usize) -> Option<Decider> {
         match self.passed_on(id, k)? {
             Passed::Leaf(flow, 0) if is_scalar(self.unit, flow) => Some(self.name(flow)),
@@ -24,7 +24,7 @@ impl Solver<'_> {
         }
     }
 
-    /// The flow or result that a leaf of a flow passes on.
+    /// Returns the flow or call result that leaf `k` of a flow copies, following copies to their source.
     fn source(&self, flow: FlowId, k: usize) -> Option<Decider> {
         let (mut at, mut best) = ((flow, k), None);
         for _ in 0..self.unit.flows.len() {
@@ -33,7 +33,7 @@ impl Solver<'_> {
             };
             match self.passed_on(value, k) {
                 Some(Passed::Result(by)) => return Some(by),
-                // In Lustre every name is a clock of its own.
+                // In Lustre each name is a clock of its own, so copies are not followed.
                 Some(Passed::Leaf(flow, k)) if !self.unit.is_lustre => {
                     at = (flow, k);
                     if is_scalar(self.unit, flow) {
@@ -46,7 +46,8 @@ impl Solver<'_> {
         best
     }
 
-    /// The value that a leaf of a flow is a leaf of, if one equation beside the flow defines it.
+    /// Returns the expression and its leaf that define leaf `k` of a flow; none unless exactly one equation defines the
+    /// flow.
     fn definition(&self, flow: FlowId, k: usize) -> Option<(ExprId, usize)> {
         let [definition] = self.defined[flow.0 as usize][..] else {
             return None;
@@ -67,7 +68,7 @@ impl Solver<'_> {
         None
     }
 
-    /// What a leaf of an expression passes on unchanged.
+    /// Returns the source of leaf `k` of an expression if the expression passes that leaf on unchanged.
     fn passed_on(&self, id: ExprId, k: usize) -> Option<Passed> {
         let (mut id, mut k) = (id, k);
         loop {
@@ -101,17 +102,18 @@ impl Solver<'_> {
         }
     }
 
-    /// Whether what has no clock yet is known to run in all cycles: state that only constants start.
+    /// Returns whether a call without a clock runs in all cycles: its callee has state, and the last round of inference
+    /// has begun.
     pub(super) fn runs_always(&self, callee: &Unit) -> bool {
         self.is_last_look() && !self.unit.is_lustre && callee.has_state
     }
 }
 
-/// What a leaf passes on.
+/// Source of a leaf that is passed on unchanged.
 enum Passed {
-    /// A leaf of a flow.
+    /// Leaf of a flow, by its index.
     Leaf(FlowId, usize),
-    /// What decides inside of a call.
+    /// Exposed decider inside a call.
     Result(Decider),
 }
 
@@ -119,7 +121,7 @@ fn is_scalar(unit: &Unit, flow: FlowId) -> bool {
     unit.flow(flow).ty.leaf_count() == 1
 }
 
-/// The out-port that a leaf of a callee's results is, if it has no others.
+/// Returns the output that leaf `k` of a callee's results belongs to, if that output has a single leaf.
 fn port_of(callee: &Unit, mut k: usize) -> Option<FlowId> {
     for output in &callee.outputs {
         let count = callee.flow(*output).ty.leaf_count();

@@ -1,4 +1,5 @@
-//! A delay or an initialisation has one clock: which of two was meant is not to be guessed.
+//! Reports an initialisation whose two operands have different clocks. The compiler does not guess which clock was
+//! meant.
 
 use super::check::Check;
 use super::clock::Clock;
@@ -6,7 +7,7 @@ use crate::typed::{ExprId, Kind};
 use rpi_diag::{Code, Finding, Fix};
 
 impl Check<'_, '_> {
-    /// Whether both sides of an initialisation have one clock, leaf by leaf; reports it if not.
+    /// Returns whether both operands of an initialisation have the same clock, leaf by leaf. Reports a mismatch.
     pub(super) fn mixes_none(&mut self, id: ExprId, sides: [ExprId; 2]) -> bool {
         let unit = self.solver.unit;
         let count = unit.expr(id).ty.leaf_count();
@@ -15,13 +16,13 @@ impl Check<'_, '_> {
             return true;
         };
         let [first_words, later_words] = [first, later].map(|clock| self.words(clock));
-        let message = format!("a delay of two clocks: {first_words}, then {later_words}");
+        let message = format!("clock mismatch in a delay: {first_words}, then {later_words}");
         let [first_span, later_span] = sides.map(|side| unit.expr(side).span);
         let finding = Finding::new(Code::RPI3009, message)
-            .at(first_span, format!("the first value is there {}", there(&first_words)))
-            .also(later_span, format!("the later ones are there {}", there(&later_words)))
-            .help("in all cycles: `x ?? other`, `hold(x, init)` or `present(x)` of what is sampled")
-            .help("in those of the clock: sample the other side, `x when c`, so that the delay is inside of the clock");
+            .at(first_span, format!("the first value is present {}", there(&first_words)))
+            .also(later_span, format!("the later values are present {}", there(&later_words)))
+            .help("for a value in all cycles: `x ?? other`, `hold(x, init)` or `present(x)` of the sampled side")
+            .help("for a delay on the slower clock: sample the other side too, `x when c`");
         let finding = match self.sampled_too(sides, [first, later]) {
             Some(fix) => finding.fix(fix),
             None => finding,
@@ -30,7 +31,7 @@ impl Check<'_, '_> {
         false
     }
 
-    /// The faster side, sampled as the slower one is, if one sampling is between them.
+    /// Returns a fix that samples the faster operand like the slower one, if a single sampling separates their clocks.
     fn sampled_too(&self, sides: [ExprId; 2], clocks: [Clock; 2]) -> Option<Fix> {
         let unit = self.solver.unit;
         let (slow, fast) = match self.solver.parent(clocks[0]) == Some(clocks[1]) {
@@ -43,7 +44,7 @@ impl Check<'_, '_> {
         };
         let tick = self.solver.ticks.tick(slow)?;
         let text = super::print(self.solver.units, self.solver.facts, unit, &[tick]);
-        // What is delayed is sampled, not the delay, which may stand for both: `a fby b`.
+        // In `a fby b` the operand of the delay is sampled, not the delay, whose span may be that of both operands.
         let inner = match &unit.expr(fast).kind {
             Kind::Each(crate::typed::Each::Pre, operands) => operands[0],
             _ => fast,
@@ -57,7 +58,7 @@ impl Check<'_, '_> {
     }
 }
 
-/// Where a value is, in a sentence.
+/// Words for the cycles in which a value is present, for use after "is present".
 fn there(words: &str) -> String {
     match words.starts_with('`') {
         true => format!("only {words}"),

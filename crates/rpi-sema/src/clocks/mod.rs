@@ -1,20 +1,20 @@
-//! The clock calculus: in which cycles of its unit each leaf of each expression has a value.
+//! Clock calculus: infers in which cycles of its unit each leaf of each expression has a value.
 //!
-//! A clock is all cycles of the unit, or those of another clock in which a flow has a value (`x when c`). `T on c` is a
-//! subtype of `T?`: a flow has the clock of its defining expression, whatever it is called and wherever it is kept, and
-//! only an operator that reads it together with a faster one sees it as optional. So the clock of an operator is the
-//! slowest that those of all its operands are sampled from; a delay or an initialisation does not mix clocks. The clocks
-//! are the greatest solution of these equations, which does not depend on their order. In Lustre operands of different
-//! clocks are an error. After Caspi and Pouzet, Synchronous Kahn networks (1996), with the names of Lustre V6: a constant
-//! has every clock.
+//! A clock is either the base clock (all cycles of the unit) or a sampling of another clock by the value of a flow (`x
+//! when c`). `T on c` is a subtype of `T?`: a flow has the clock of its defining expression, under any name and in any
+//! variable, and is optional only for an operator that also reads a faster flow. The clock of an operator is therefore
+//! the slowest clock from which the clocks of all its operands are sampled. A delay or an initialisation does not mix
+//! clocks. The clocks are the greatest solution of these equations, which does not depend on their order. In Lustre,
+//! operands of different clocks are an error. After Caspi and Pouzet, Synchronous Kahn Networks (1996), with the names
+//! of Lustre V6. A constant has every clock.
 //!
 //! | file | idea |
 //! |---|---|
-//! | `clock.rs`, `row.rs` | clocks being worked out; the clocks of a value, leaf by leaf |
-//! | `solve.rs`, `calls.rs` | the greatest solution; clocks of ports as the caller sees them |
-//! | `decider.rs` | one name for each flow that decides, whatever it is called |
-//! | `place.rs` | constants take the clock of who reads them |
-//! | `check.rs`, `mixed.rs`, `covered.rs` | clocks that do not meet |
+//! | `clock.rs`, `row.rs` | clocks during inference; the clocks of a value, leaf by leaf |
+//! | `solve.rs`, `calls.rs` | greatest solution; clocks of a callee's ports in the caller's terms |
+//! | `decider.rs` | canonical names of deciding flows |
+//! | `place.rs` | constants take the clock of their readers |
+//! | `check.rs`, `mixed.rs`, `covered.rs` | clock mismatches |
 //! | `borders.rs` | flows of blocks that may be inactive |
 
 mod borders;
@@ -39,52 +39,52 @@ use crate::typed::{ExprId, FlowId, Kind, Unit};
 use rpi_diag::Finding;
 use std::fmt::Write as _;
 
-/// Number of a clock of a unit.
+/// Index of a clock in [`Clocks`] of a unit.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub struct ClockId(u32);
 
 impl ClockId {
-    /// All cycles of the unit.
+    /// Base clock: all cycles of the unit.
     pub const BASE: ClockId = ClockId(0);
 }
 
-/// The clocks of a unit. Empty where nothing is sampled.
+/// Clocks of all expressions and flows of a unit. Empty if nothing in the unit is sampled.
 #[derive(Clone, Debug, Default)]
 pub struct Clocks {
-    /// Of each clock what is sampled one after the other, from all cycles of the unit on.
+    /// For each clock, its samplings from the base clock of the unit on.
     paths: Vec<Vec<Tick>>,
     exprs: Vec<Row<ClockId>>,
     flows: Vec<Row<ClockId>>,
-    /// Of each call the clock by which it runs.
+    /// For each call, the clock on which it runs.
     calls: Map<ExprId, ClockId>,
-    /// What decides about out-ports, with its clock.
+    /// Flows that decide about the clocks of the outputs, each with its own clock.
     exposed: Vec<(Decider, ClockId)>,
-    /// Reads of flows of blocks that may be inactive meanwhile.
+    /// For each expression, whether it reads a flow of a block that may be inactive.
     outside: Vec<bool>,
 }
 
 impl Clocks {
-    /// Whether something is sampled.
+    /// Returns whether the unit has any sampled flow.
     #[must_use]
     pub fn any(&self) -> bool {
         !self.exprs.is_empty()
     }
 
-    /// The clocks of the leaves of an expression.
+    /// Returns the clocks of the leaves of an expression.
     #[must_use]
     pub fn row(&self, id: ExprId) -> Row<ClockId> {
         let known = self.exprs.get(id.0 as usize);
         known.cloned().unwrap_or(Row::All(ClockId::BASE))
     }
 
-    /// The clock of a leaf of an expression.
+    /// Returns the clock of leaf `k` of an expression.
     #[must_use]
     pub fn leaf(&self, id: ExprId, k: usize) -> ClockId {
         let known = self.exprs.get(id.0 as usize);
         known.map_or(ClockId::BASE, |row| row.leaf(k))
     }
 
-    /// The clock by which an expression is computed that has one: a call may give values of other clocks than its own.
+    /// Returns the clock on which an expression is computed. For a call this may differ from the clocks of its results.
     #[must_use]
     pub fn place(&self, id: ExprId) -> ClockId {
         match self.calls.get(&id) {
@@ -93,20 +93,20 @@ impl Clocks {
         }
     }
 
-    /// The clocks of the leaves of a flow.
+    /// Returns the clocks of the leaves of a flow.
     #[must_use]
     pub fn flow(&self, id: FlowId) -> Row<ClockId> {
         let known = self.flows.get(id.0 as usize);
         known.cloned().unwrap_or(Row::All(ClockId::BASE))
     }
 
-    /// What a clock samples one after the other.
+    /// Returns the samplings of a clock, from the base clock on.
     #[must_use]
     pub fn path(&self, clock: ClockId) -> &[Tick] {
         self.paths.get(clock.0 as usize).map_or(&[], Vec::as_slice)
     }
 
-    /// What a clock is sampled by beyond what it has in common with a reader's.
+    /// Returns the samplings of `clock` that follow the common prefix with the clock of a reader.
     #[must_use]
     pub fn beyond(&self, clock: ClockId, reader: ClockId) -> &[Tick] {
         let (own, read) = (self.path(clock), self.path(reader));
@@ -114,8 +114,8 @@ impl Clocks {
         &own[common.count()..]
     }
 
-    /// For a leaf of what is sampled (`x when c`) the clock that it has in common with what decides, and what it is sampled
-    /// by beyond that.
+    /// For leaf `k` of the operand of `x when c`: splits its samplings into those in common with the clock of `c` and
+    /// the remaining ones.
     #[must_use]
     pub fn beyond_sampled(&self, value: ExprId, k: usize, when: ExprId) -> (&[Tick], &[Tick]) {
         let own = self.path(self.leaf(value, k));
@@ -125,26 +125,27 @@ impl Clocks {
         own.split_at(common)
     }
 
-    /// Whether a reader of one clock sees a leaf of another as optional: it is absent where its clock does not tick.
+    /// Returns whether a reader on clock `reader` sees a leaf on `clock` as optional: absent where `clock` does not
+    /// tick.
     #[must_use]
     pub fn is_slower(&self, clock: ClockId, reader: ClockId) -> bool {
         clock != reader && !self.beyond(clock, reader).is_empty()
     }
 
-    /// Whether an expression reads a flow of a block that may be inactive meanwhile.
+    /// Returns whether an expression reads a flow of a block that may be inactive.
     #[must_use]
     pub fn is_outside(&self, id: ExprId) -> bool {
         self.outside.get(id.0 as usize).copied().unwrap_or(false)
     }
 
-    /// What decides about the clocks of the out-ports, with the clock of what decides.
+    /// Returns the flows that decide about the clocks of the outputs, each with its own clock.
     #[must_use]
     pub fn exposed(&self) -> &[(Decider, ClockId)] {
         &self.exposed
     }
 }
 
-/// The clocks of a unit, and where they do not meet. `facts` has those of the units that it calls.
+/// Infers the clocks of a unit and reports mismatches. `facts` holds the results for the units that it calls.
 #[must_use]
 pub fn find(units: &[Unit], facts: &[Facts], unit: &Unit) -> (Clocks, Vec<Finding>) {
     match unit.has_clocks || calls_sampled(units, facts, unit) {
@@ -153,7 +154,7 @@ pub fn find(units: &[Unit], facts: &[Facts], unit: &Unit) -> (Clocks, Vec<Findin
     }
 }
 
-/// Whether a unit calls one with sampled ports.
+/// Returns whether a unit calls a unit with sampled ports.
 fn calls_sampled(units: &[Unit], facts: &[Facts], unit: &Unit) -> bool {
     unit.exprs.iter().any(|expr| match &expr.kind {
         Kind::Call(call) => {
@@ -166,7 +167,7 @@ fn calls_sampled(units: &[Unit], facts: &[Facts], unit: &Unit) -> bool {
     })
 }
 
-/// A clock as it is written, `when c when not d`; nothing for all cycles.
+/// Formats a clock as in the source, `when c when not d`; empty for the base clock.
 #[must_use]
 pub fn print(units: &[Unit], facts: &[Facts], unit: &Unit, path: &[Tick]) -> String {
     let mut text = String::new();
@@ -176,13 +177,14 @@ pub fn print(units: &[Unit], facts: &[Facts], unit: &Unit, path: &[Tick]) -> Str
     text.trim_start().to_owned()
 }
 
-/// The condition of a sampling: `c`, `not c`, `Value(c)`; what decides inside of a call is named after its unit, `Call.c`.
+/// Formats the condition of a sampling: `c`, `not c` or `Value(c)`. A decider inside a call is named after its unit,
+/// `Call.c`.
 fn condition(units: &[Unit], facts: &[Facts], unit: &Unit, tick: Tick) -> String {
     let Decider::Flow(flow) = tick.by else {
         return inner_condition(units, facts, unit, tick);
     };
     let flow = unit.flow(flow);
-    // What the compiler made of an argument is called like the port that it is for.
+    // A flow made by the compiler for an argument is named `port#n`; only the port's name is shown.
     let name = flow.name.split('#').next().unwrap_or_default();
     let value = usize::try_from(tick.value).unwrap_or(usize::MAX);
     match &flow.ty {

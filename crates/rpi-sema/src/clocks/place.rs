@@ -1,4 +1,4 @@
-//! Constants, and in Lustre what they start, take the clock of who reads them.
+//! Constants take the clock of their readers. In Lustre, so do initialisations of constants.
 
 use super::clock::{Clock, Tick};
 use super::row::Row;
@@ -7,7 +7,7 @@ use crate::facts::Definition;
 use crate::typed::{Call, Each, ExprId, Kind, Place};
 
 impl<'u> Solver<'u> {
-    /// Gives every expression a clock.
+    /// Gives every expression without a clock the clock of its readers.
     pub(super) fn place(&mut self) {
         let mut open = Open(vec![false; self.unit.exprs.len()]);
         for (k, row) in self.exprs.iter().enumerate() {
@@ -20,7 +20,7 @@ impl<'u> Solver<'u> {
             reached,
         };
         placing.equations();
-        // Who reads an expression comes behind it.
+        // An expression stands after its operands in the table, so in reverse order readers come first.
         for id in (0..)
             .map(ExprId)
             .take(placing.solver.unit.exprs.len())
@@ -36,18 +36,19 @@ impl<'u> Solver<'u> {
     }
 }
 
-/// For each expression whether it had no clock of its own.
+/// For each expression, whether inference left it without a clock.
 struct Open(Vec<bool>);
 
 struct Placing<'s, 'u> {
     solver: &'s mut Solver<'u>,
     open: Open,
-    /// Expressions that somebody reads.
+    /// For each expression, whether a reader has been visited.
     reached: Vec<bool>,
 }
 
 impl<'u> Placing<'_, 'u> {
-    /// A reader: what has no clock has that of the reader, or where several readers meet.
+    /// Gives an expression without a clock the clock of a reader. A second reader lowers it to the common clock of
+    /// both.
     fn fill(&mut self, id: ExprId, wanted: &Row<Clock>) {
         let k = id.0 as usize;
         if !self.open.0[k] {
@@ -172,7 +173,7 @@ impl<'u> Placing<'_, 'u> {
 }
 
 impl Solver<'_> {
-    /// The clock of a case of a `merge`.
+    /// Returns the clock of a case of a `merge`.
     pub(super) fn case(&mut self, on: ExprId, value: u32) -> Option<Clock> {
         let by = self.decider(on, 0)?;
         Some(self.ticks.clock(Tick { by, value }))

@@ -1,18 +1,18 @@
-//! The clocks of a value, leaf by leaf. Most values have one clock in all leaves.
+//! Clocks of a value, leaf by leaf. Most values have the same clock in all leaves.
 
 use std::rc::Rc;
 
-/// The clock of each leaf of a value.
+/// Clock of each leaf of a value.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum Row<C> {
-    /// All leaves have this clock.
+    /// Clock shared by all leaves.
     All(C),
-    /// Leaf by leaf.
+    /// One clock for each leaf; not all are equal.
     Each(Rc<[C]>),
 }
 
 impl<C: Copy + PartialEq> Row<C> {
-    /// The clock of one leaf.
+    /// Returns the clock of leaf `k`.
     #[must_use]
     pub fn leaf(&self, k: usize) -> C {
         match self {
@@ -21,7 +21,7 @@ impl<C: Copy + PartialEq> Row<C> {
         }
     }
 
-    /// The one clock of all leaves, if they have one.
+    /// Returns the clock shared by all leaves, if there is one.
     #[must_use]
     pub fn one(&self) -> Option<C> {
         match self {
@@ -30,7 +30,7 @@ impl<C: Copy + PartialEq> Row<C> {
         }
     }
 
-    /// The distinct clocks of neighbouring leaves, in order.
+    /// Iterates over the clocks of the leaves in order; over a shared clock once.
     pub fn iter(&self) -> impl Iterator<Item = C> + '_ {
         match self {
             Row::All(clock) => std::slice::from_ref(clock).iter().copied(),
@@ -38,7 +38,7 @@ impl<C: Copy + PartialEq> Row<C> {
         }
     }
 
-    /// Of leaves one after the other. A value without leaves has the given clock.
+    /// Creates a row from the clocks of successive leaves. A value without leaves gets the clock `otherwise`.
     pub(super) fn of(leaves: impl Iterator<Item = C>, otherwise: C) -> Row<C> {
         let leaves: Vec<C> = leaves.collect();
         match leaves.split_first() {
@@ -48,7 +48,7 @@ impl<C: Copy + PartialEq> Row<C> {
         }
     }
 
-    /// The leaves from `at` on, `count` of them.
+    /// Returns the row of `count` leaves starting at leaf `at`.
     pub(super) fn part(&self, at: usize, count: usize) -> Row<C> {
         match self {
             Row::All(clock) => Row::All(*clock),
@@ -59,7 +59,7 @@ impl<C: Copy + PartialEq> Row<C> {
         }
     }
 
-    /// Each clock replaced by what `of` makes of it.
+    /// Returns a row with each clock replaced by `of(clock)`.
     pub(super) fn map<D: Copy + PartialEq>(&self, of: impl Fn(C) -> D) -> Row<D> {
         match self {
             Row::All(clock) => Row::All(of(*clock)),

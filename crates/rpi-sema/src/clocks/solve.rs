@@ -1,5 +1,5 @@
-//! The greatest solution of the clock equations. Every clock begins as the one that fits all and goes down to what the
-//! operands allow; it only ever becomes faster, so that the order in which they are looked at does not matter.
+//! Greatest solution of the clock equations. Every clock starts as [`Clock::ANY`] and descends to what the operands
+//! allow. A clock only ever becomes faster, so the result does not depend on the order of evaluation.
 
 use super::clock::{Clock, Decider, Tick, Ticks};
 use super::{Borders, ClockId, Clocks, Row};
@@ -9,7 +9,7 @@ use crate::typed::{Each, Equation, ExprId, FlowId, FlowRole, Kind, Optional, Pla
 use rpi_diag::Finding;
 use rpi_image::State;
 
-/// A unit whose clocks are being worked out.
+/// State of the clock inference for one unit.
 pub(super) struct Solver<'u> {
     pub(super) units: &'u [Unit],
     pub(super) facts: &'u [Facts],
@@ -19,26 +19,27 @@ pub(super) struct Solver<'u> {
     pub(super) ticks: Ticks,
     pub(super) exprs: Vec<Row<Clock>>,
     pub(super) flows: Vec<Row<Clock>>,
-    /// Flows that have the clock of their equation: all but ports and those whose declaration says when they are there.
+    /// For each flow, whether its clock is inferred from its equation. False for ports and for flows with a declared
+    /// clock or presence.
     pub(super) inferred: Vec<bool>,
-    /// Of each call the clock by which it runs.
+    /// For each call, the clock on which it runs.
     pub(super) calls: Map<ExprId, Clock>,
-    /// The clocks of what decides inside of calls.
+    /// Clock of each exposed decider inside a call.
     pub(super) inside: Map<(ExprId, u32), Clock>,
-    /// The name of a flow that decides, whatever it is called.
+    /// Canonical decider of each deciding flow, cached.
     pub(super) named: Map<FlowId, Decider>,
-    /// For each flow the definitions that give it leaves.
+    /// For each flow, the definitions that define leaves of it.
     pub(super) defined: Vec<Vec<u32>>,
-    /// Reads of flows of blocks that may be inactive meanwhile.
+    /// For each expression, whether it reads a flow of a block that may be inactive.
     pub(super) outside: Vec<bool>,
-    /// Whether what still fits every clock is a constant: all else is known.
+    /// Whether the last round has begun, in which every clock that is still [`Clock::ANY`] belongs to a constant.
     constants: bool,
-    /// Whether the clock of something that decides has changed, and with it where others meet.
+    /// Whether the clock of a decider has changed. Meets of clocks sampled by it are then out of date.
     moved: bool,
     changed: Vec<FlowId>,
 }
 
-/// The clocks of a unit, and where they do not meet.
+/// Infers the clocks of a unit and reports mismatches.
 pub(super) fn solve(units: &[Unit], facts: &[Facts], unit: &Unit) -> (Clocks, Vec<Finding>) {
     let mut solver = Solver::new(units, facts, unit);
     solver.declared();
@@ -91,8 +92,8 @@ impl<'u> Solver<'u> {
         }
     }
 
-    /// Ports, and flows that are declared to be always present, have the clock of their declaration; so has what several
-    /// states define, and each state's part of it where it has a clock. All others have that of their equation.
+    /// Sets the clocks of flows that are not inferred: of ports, of flows declared as always present, and of flows
+    /// shared by several states with each state's contribution. All other flows get the clock of their equation.
     fn declared(&mut self) {
         for (k, flow) in self.unit.flows.iter().enumerate() {
             let is_declared = flow.optional == Optional::Declared(false);
@@ -126,7 +127,7 @@ impl<'u> Solver<'u> {
         }
     }
 
-    /// What decides and fits every clock is a constant.
+    /// A decider whose clock is still [`Clock::ANY`] is a constant: puts it on the base clock.
     fn deciders(&mut self) {
         for k in 0..self.ticks.len() {
             let clock = Clock::numbered(k);
@@ -143,7 +144,8 @@ impl<'u> Solver<'u> {
         }
     }
 
-    /// Whether what still fits every clock is a constant.
+    /// Returns whether the last round has begun, in which every clock that is still [`Clock::ANY`] belongs to a
+    /// constant.
     pub(super) fn is_last_look(&self) -> bool {
         self.constants
     }
@@ -172,13 +174,14 @@ impl<'u> Solver<'u> {
                     }
                 }
             }
+            // A moved decider changes meets of other expressions than its dependents, so another full round is needed.
             if !self.moved {
                 return;
             }
         }
     }
 
-    /// Gives inferred flows the clocks of what defines them.
+    /// Updates the clocks of inferred flows from the value of their definition.
     fn define(&mut self, definition: usize) {
         let Definition::Equation(block, equation) = self.reads.definitions[definition] else {
             return;
@@ -230,13 +233,13 @@ impl<'u> Solver<'u> {
         self.exprs[id.0 as usize].leaf(k)
     }
 
-    /// Where all leaves of a value meet.
+    /// Returns the common clock of all leaves of an expression.
     pub(super) fn whole(&self, id: ExprId) -> Clock {
         let leaves = self.exprs[id.0 as usize].iter();
         leaves.fold(Clock::ANY, |all, leaf| self.meet(all, leaf))
     }
 
-    /// The clocks of an expression, from those of its operands.
+    /// Computes the clocks of an expression from those of its operands.
     fn expr(&mut self, id: ExprId) -> Row<Clock> {
         let unit = self.unit;
         let count = self.count(id);
@@ -256,7 +259,7 @@ impl<'u> Solver<'u> {
             },
             Kind::Replace { base, at, value } => self.replaced(*base, *at as usize, *value, count),
             Kind::Each(each, operands) => self.each(*each, operands, count),
-            // Whether something is present can be asked by every clock.
+            // Presence of a flow may be tested on every clock.
             Kind::Present(_) => Row::All(Clock::ANY),
             Kind::When { clock, .. } => {
                 let by = self.name(clock.flow);
@@ -284,7 +287,8 @@ impl<'u> Solver<'u> {
         }
     }
 
-    /// Where operands of a strict operator meet: in Lustre they have one clock, or the first is taken for right.
+    /// Returns the common clock of the operands of a strict operator. In Lustre the first known clock is taken; the
+    /// check compares the others with it.
     pub(super) fn strict(&self, operands: &[ExprId]) -> Clock {
         self.first_or_meet(operands.iter().map(|id| self.whole(*id)))
     }
@@ -299,7 +303,8 @@ impl<'u> Solver<'u> {
                 _ => self.leaf(*id, k),
             });
             match (each, clocks.clone().next_back()) {
-                // What replaces an absent value has the clock of the whole: with a constant it fits every clock.
+                // The replacement of an absent value has the clock of the whole. A constant replacement leaves the
+                // clock open.
                 (Each::Coalesce | Each::Hold, Some(Clock::ANY)) => Clock::ANY,
                 _ => self.first_or_meet(clocks),
             }
@@ -355,7 +360,7 @@ impl<'u> Solver<'u> {
         Row::of((0..count).map(leaf), Clock::ANY)
     }
 
-    /// An element at a place that is computed meets all others, leaf by leaf.
+    /// Computes the clocks of an element at a computed index: the meet over all elements and the index, leaf by leaf.
     fn select(&self, base: ExprId, index: ExprId, count: usize) -> Row<Clock> {
         let (row, index) = (&self.exprs[base.0 as usize], self.whole(index));
         if let Some(one) = row.one() {
@@ -369,8 +374,8 @@ impl<'u> Solver<'u> {
         Row::of((0..count).map(leaf), Clock::ANY)
     }
 
-    /// Whether an expression has a first cycle of its own: what only constants start runs in all cycles, as if it had a
-    /// name.
+    /// Returns whether an expression has state with a first cycle of its own. If only constants start it, it runs in
+    /// all cycles.
     fn starts(&self, id: ExprId) -> bool {
         match &self.unit.expr(id).kind {
             Kind::Each(Each::Pre | Each::Last, operands) => !self.is_constant(operands[0]),
@@ -385,7 +390,8 @@ impl<'u> Solver<'u> {
         }
     }
 
-    /// Whether an expression is the same in all cycles, as far as a glance tells.
+    /// Returns whether an expression is a literal, constant, `none` or parameter. Other constant expressions are not
+    /// recognised.
     fn is_constant(&self, id: ExprId) -> bool {
         match &self.unit.expr(id).kind {
             Kind::Const(_) | Kind::Literal(_) | Kind::None => true,
@@ -394,7 +400,8 @@ impl<'u> Solver<'u> {
         }
     }
 
-    /// The clock that a clock is sampled from.
+    /// Returns the clock from which a clock is sampled: the clock of its decider. None for the base clock and for
+    /// [`Clock::ANY`].
     pub(super) fn parent(&self, clock: Clock) -> Option<Clock> {
         match self.ticks.tick(clock)?.by {
             Decider::Flow(flow) => Some(self.flows[flow.0 as usize].leaf(0)),
@@ -404,7 +411,8 @@ impl<'u> Solver<'u> {
         }
     }
 
-    /// A clock and those that it is sampled from, slowest first. None if it is sampled from itself.
+    /// Returns a clock and its ancestors, the clock itself (the slowest) first. None if the clock is sampled from
+    /// itself.
     pub(super) fn chain(&self, clock: Clock) -> Option<Vec<Clock>> {
         let mut chain = vec![clock];
         let mut at = clock;
@@ -418,7 +426,7 @@ impl<'u> Solver<'u> {
         Some(chain)
     }
 
-    /// The slowest clock that both are sampled from, as far as is known.
+    /// Returns the slowest clock from which both clocks are sampled, as far as is known in this round.
     pub(super) fn meet(&self, a: Clock, b: Clock) -> Clock {
         if a == b || b == Clock::ANY {
             return a;
@@ -436,20 +444,20 @@ impl<'u> Solver<'u> {
         let mut common = one.iter().filter(|clock| **clock != Clock::ANY);
         match common.find(|clock| other.contains(clock)) {
             Some(common) => *common,
-            // The chain that is not known to its end may lead to the other.
+            // The chain that does not reach the base clock yet may later lead to the other clock.
             None if is_known(&one) => a,
             None if is_known(&other) => b,
             None => Clock::ANY,
         }
     }
 
-    /// A clock was given to what decides inside of a call.
+    /// Records the clock of an exposed decider inside a call.
     pub(super) fn move_inside(&mut self, call: ExprId, number: u32, clock: Clock) {
         let known = self.inside.insert((call, number), clock);
         self.moved |= known.is_some_and(|known| known != clock);
     }
 
-    /// The equation of a definition.
+    /// Returns the equation of a definition; none for a flow shared by states.
     pub(super) fn equation(&self, definition: u32) -> Option<&'u Equation> {
         match self.reads.definitions[definition as usize] {
             Definition::Equation(_, equation) => Some(equation),
@@ -457,11 +465,12 @@ impl<'u> Solver<'u> {
         }
     }
 
-    /// All clocks as paths.
+    /// Converts the result to [`Clocks`], with each clock as a path of samplings.
     fn clocks(self) -> Clocks {
         let mut paths: Vec<Vec<Tick>> = vec![Vec::new()];
         let mut numbers: Map<Clock, ClockId> = Map::default();
         numbers.insert(Clock::BASE, ClockId::BASE);
+        // A clock that is still open belongs to a constant, which has a value in every cycle.
         numbers.insert(Clock::ANY, ClockId::BASE);
         for k in 0..self.ticks.len() {
             let clock = Clock::numbered(k);
@@ -489,7 +498,7 @@ impl<'u> Solver<'u> {
     }
 }
 
-/// The leaves of an element of an array.
+/// Number of leaves of an element of an array.
 fn element_size(unit: &Unit, array: ExprId) -> usize {
     match &unit.expr(array).ty {
         crate::ty::Ty::Array(element, _) => element.leaf_count().max(1),

@@ -1,30 +1,30 @@
-//! How much a net or constant may ask for: a short text can stand for very much, and each primitive costs about a
-//! kilobyte before it runs.
+//! Size limit for a net or a constant. A short program can expand to a huge net, and each primitive costs about a
+//! kilobyte at compile time.
 //!
-//! What counts: calls that are written out, nodes with their names, leaves of values. Text pays for what it stands for,
-//! once in a net however often it is called.
+//! Counted are expanded calls, nodes with their names, and leaves of values. The text of each unit raises the limit
+//! once per net, however often the unit is called.
 
 use super::{Elab, NotConstant};
 use crate::hash::Set;
 use crate::typed::{Unit, UnitId};
 use rpi_diag::{Code, Finding, Span};
 
-/// What everybody may ask for.
+/// Nodes allowed for every net, in addition to what its text allows.
 const FREE: usize = 200_000;
 
-/// What a byte of an equation pays for.
+/// Nodes allowed for each byte of an equation.
 const PER_BYTE: usize = 2;
 
-/// Leaves of values that cost as much as a node.
+/// Number of leaves of a value that cost as much as one node.
 const LEAVES: usize = 8;
 
-/// Letters of a node's name that cost as much as the node.
+/// Number of bytes of a node's name that cost as much as the node.
 const LETTERS: usize = 256;
 
-/// What is left of it.
+/// Remaining budget of a net or constant.
 pub(super) struct Allowance {
     left: usize,
-    /// The units whose text has paid.
+    /// Units whose text has been counted.
     paid: Set<UnitId>,
     pub(super) is_used_up: bool,
 }
@@ -46,24 +46,24 @@ impl Allowance {
 }
 
 impl Elab<'_> {
-    /// Text that is written out for the first time.
+    /// Adds the text of a unit to the budget, the first time the unit is expanded.
     pub(super) fn pay_for(&mut self, id: UnitId) {
         if self.allowance.paid.insert(id) {
             self.allowance.left += PER_BYTE * length(&self.units[id.0 as usize]);
         }
     }
 
-    /// Whether one more call can be written out.
+    /// Returns whether one more call can be expanded. Reports the first excess.
     pub(super) fn may_call(&mut self, span: Span) -> bool {
         self.may_spend(1, span)
     }
 
-    /// Whether there can be one more node of this name.
+    /// Returns whether one more node of this name can be added. Reports the first excess.
     pub(super) fn may_add(&mut self, name: &str, span: Span) -> bool {
         self.may_spend(1 + name.len() / LETTERS, span)
     }
 
-    /// Whether there can be a value of so many leaves.
+    /// Returns whether a value with this many leaves can be built. Reports the first excess.
     pub(super) fn may_hold(&mut self, leaves: usize, span: Span) -> bool {
         self.may_spend(leaves / LEAVES, span)
     }
@@ -78,18 +78,18 @@ impl Elab<'_> {
     }
 
     fn too_much(&mut self, span: Span) {
-        let message = "written out this is too much to work with";
+        let message = "program is too large after all calls are expanded";
         if self.mode == super::Mode::Constant {
             self.fail(NotConstant::Fault(span, message.to_owned()));
             return;
         }
-        let finding = Finding::new(Code::RPI1011, message).at(span, "one more here");
-        self.findings.push(finding.help("every call and every element of an array has a copy of its own: give a value that is used twice a name, or make arrays shorter"));
+        let finding = Finding::new(Code::RPI1011, message).at(span, "the limit is exceeded here");
+        self.findings.push(finding.help("each call and each array element is a separate copy: name values that are used twice, or shorten arrays"));
         self.fail(NotConstant::Faulty);
     }
 }
 
-/// How many bytes the equations of a unit are long.
+/// Returns the total length of a unit's equations in bytes.
 fn length(unit: &Unit) -> usize {
     let equations = unit.blocks.iter().flat_map(|block| &block.equations);
     let lengths = equations.map(|equation| (equation.span.end - equation.span.start) as usize);

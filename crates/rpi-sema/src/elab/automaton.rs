@@ -1,4 +1,5 @@
-//! State machines: an integer that remembers the state, one fragment per state, transitions that choose.
+//! Elaborates state machines: an integer register for the state, one fragment per state, and transitions as
+//! conditionals.
 
 use super::expr::leaf_scalars;
 use super::families::Family;
@@ -11,23 +12,23 @@ use rpi_image::{Scalar, Value};
 use rpi_net::prim;
 use rpi_net::{FragmentId, Restart};
 
-/// The next state and whether it starts afresh.
+/// State in the next cycle, and whether it is entered with a restart.
 #[derive(Clone)]
 struct Next {
     state: Signal,
     afresh: Signal,
 }
 
-/// What may leave a state at one end of a cycle.
+/// Transitions of one state, weak or strong.
 struct Choice<'u, 's> {
     transitions: &'u [Transition],
-    /// Whether the automaton is in that state.
+    /// Whether the automaton is in this state.
     here: &'s Signal,
     automaton: Span,
 }
 
 impl<'u> Elab<'u> {
-    /// A state machine in a fragment.
+    /// Elaborates an automaton in the fragment at `at`.
     pub(super) fn automaton(&mut self, scope: &mut Scope<'u>, automaton: &'u Automaton, at: At) {
         self.begin(&format!("{}state", scope.prefix));
         let span = automaton.span;
@@ -59,7 +60,8 @@ impl<'u> Elab<'u> {
         }
     }
 
-    /// State and restart flag at the start of a cycle, and the aliases for what they are in the next.
+    /// Returns the state and restart flag at the start of a cycle, and the aliases to bind to their values for the next
+    /// cycle.
     fn memory(
         &mut self,
         automaton: &Automaton,
@@ -89,7 +91,7 @@ impl<'u> Elab<'u> {
         (Next { state, afresh }, next)
     }
 
-    /// The state of this cycle: strong transitions act before it runs.
+    /// Returns the state of this cycle after the strong transitions, which act before the state runs.
     fn strong(
         &mut self,
         scope: &mut Scope<'u>,
@@ -116,8 +118,8 @@ impl<'u> Elab<'u> {
         current
     }
 
-    /// Where conditions of strong transitions are evaluated: what can fault in them does so only in their state. State in them
-    /// goes on in all cycles, for it is that of the surroundings.
+    /// Returns where the conditions of strong transitions are evaluated. A condition that can fault is guarded by its
+    /// state. Registers in the conditions still run in all cycles, because they belong to the surroundings.
     fn where_it_counts(
         &mut self,
         scope: &Scope<'u>,
@@ -133,7 +135,7 @@ impl<'u> Elab<'u> {
         }
     }
 
-    /// The first transition whose condition holds, or else what is given.
+    /// Returns the target of the first transition whose condition holds, or `otherwise`.
     fn transitions(
         &mut self,
         scope: &mut Scope<'u>,
@@ -178,8 +180,8 @@ impl<'u> Elab<'u> {
         Next { state, afresh }
     }
 
-    /// Whether a state starts afresh if it runs in this cycle: also if it was entered so before and left by a strong
-    /// transition before it ran (M14.6).
+    /// Returns whether state `k` restarts if it runs in this cycle. It also restarts if it was entered with a restart
+    /// earlier and left by a strong transition before it ran (M14.6).
     fn starts_afresh(
         &mut self,
         (automaton, k): (&Automaton, usize),
@@ -234,7 +236,7 @@ impl<'u> Elab<'u> {
         self.fragment(&path, at.fragment, activation, restart, block.span)
     }
 
-    /// A flow that states define: what the active one makes of it, or the default.
+    /// Elaborates a flow defined by several states: the contribution of the active state, or the default.
     fn shared(
         &mut self,
         scope: &mut Scope<'u>,
@@ -256,7 +258,7 @@ impl<'u> Elab<'u> {
         self.define(scope, shared.flow, 0, &merged);
     }
 
-    /// The flow of the state that is active: those of the others are absent.
+    /// Returns the contribution of the active state. Contributions of inactive states are absent.
     fn first_present(
         &mut self,
         scope: &mut Scope<'u>,
@@ -283,7 +285,7 @@ impl<'u> Elab<'u> {
         merged.unwrap_or_else(super::signal::nothing)
     }
 
-    /// The flow of the state that is active if it has one, which may be absent even so; else the default.
+    /// Returns the contribution of the active state if it defines the flow (it may still be absent), else the default.
     fn with_default(
         &mut self,
         scope: &mut Scope<'u>,
@@ -318,7 +320,8 @@ fn number(k: usize) -> Signal {
     Signal::Const(Value::int(k as i64))
 }
 
-/// Whether a state may be entered afresh, left before it runs, and entered again by `continue`. Others need no memory of it.
+/// Returns whether state `k` can be entered with a restart, left before it runs, and entered again by `continue`. Other
+/// states need no register for a pending restart.
 fn may_owe_a_start(automaton: &Automaton, k: usize) -> bool {
     let weak = automaton.states.iter().flat_map(|state| &state.until);
     let strong = automaton.states.iter().flat_map(|state| &state.unless);
@@ -328,7 +331,7 @@ fn may_owe_a_start(automaton: &Automaton, k: usize) -> bool {
         && weak.chain(strong).filter(enters).any(|one| one.resumes)
 }
 
-/// No transition: the state goes on.
+/// No transition: the automaton keeps its state without a restart.
 fn stay(state: &Signal) -> Next {
     Next {
         state: state.clone(),

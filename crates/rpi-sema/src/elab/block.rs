@@ -1,4 +1,4 @@
-//! Bodies: equations, claims, fragments in place.
+//! Elaborates bodies: equations, claims, automata and blocks in place.
 
 use super::expr::leaf_scalars;
 use super::scope::Scope;
@@ -8,7 +8,7 @@ use crate::ty::Ty;
 use crate::typed::{BlockId, Equation, Expr, Place, Target, Unit};
 use rpi_net::{self as net, PortRef, Restart};
 
-/// Whether an equation is meant to stay though nobody reads it: so it uses what it reads, even if it only passes that on.
+/// Returns whether an equation must keep a node of its own although nothing reads it: all its targets are named `_...`.
 fn stays(unit: &Unit, equation: &Equation) -> bool {
     equation.targets.iter().all(|target| match target.place {
         Place::Flow { flow, .. } => unit.flow(flow).name.starts_with('_'),
@@ -17,7 +17,7 @@ fn stays(unit: &Unit, equation: &Equation) -> bool {
 }
 
 impl<'u> Elab<'u> {
-    /// Everything that stands in a unit. Blocks come after those around them.
+    /// Elaborates all blocks of a unit. A block comes after its parent.
     pub(super) fn body(&mut self, scope: &mut Scope<'u>, at: At) {
         scope.fragments[0] = Some(at.fragment);
         for block in (0..scope.unit.blocks.len())
@@ -40,7 +40,7 @@ impl<'u> Elab<'u> {
         self.find_gates(scope);
     }
 
-    /// Where a contract is elaborated: with what it is about. None if claims are left out.
+    /// Returns where a contract is elaborated: in the fragment of its parent block. None if claims are switched off.
     fn in_contract(&self, scope: &mut Scope<'u>, block: BlockId, at: At) -> Option<At> {
         let parent = scope.unit.block(block).parent.unwrap_or(BlockId::ROOT);
         let fragment = scope.fragment(parent)?;
@@ -98,7 +98,7 @@ impl<'u> Elab<'u> {
         scope.base = around;
     }
 
-    /// Starts naming nodes after a flow.
+    /// Sets the flow after which the following nodes are named.
     pub(super) fn begin(&mut self, name: &str) {
         name.clone_into(&mut self.name);
         self.serial = 0;
@@ -133,7 +133,7 @@ impl<'u> Elab<'u> {
         }
     }
 
-    /// Puts a node behind each leaf that the equation only passes on.
+    /// Inserts a node for each leaf that the equation only copies from another flow.
     fn steps(&mut self, wire: &Wire, value: &Expr, at: At) -> Wire {
         let leaves = leaf_scalars(&value.ty).into_iter().zip(&**wire);
         leaves
@@ -150,7 +150,7 @@ impl<'u> Elab<'u> {
         alias_of(port).is_some() || self.net.node(port.node).origin.flow.is_some()
     }
 
-    /// The nodes that compute a flow's leaves bear its name.
+    /// Names the nodes that compute the leaves of an equation's target after the target.
     fn name_results(&mut self, path: &str, equation: &Equation, wire: &Wire, before: usize) {
         if let [Target { ty, .. }] = &equation.targets[..]
             && ty.leaf_count() == wire.len()
@@ -166,7 +166,7 @@ impl<'u> Elab<'u> {
         }
     }
 
-    /// The nodes that were made for the leaves of a wire bear their names.
+    /// Names the nodes with index `before` or greater that compute the leaves of a wire after these leaves.
     pub(super) fn name_leaves(&mut self, path: &str, ty: &Ty, wire: &Wire, before: usize) {
         let mut leaves = wire.iter();
         ty.leaves(&mut |suffix, _| {
@@ -176,7 +176,7 @@ impl<'u> Elab<'u> {
         });
     }
 
-    /// A node that was made for a leaf bears its name, unless it has one.
+    /// Names the node of a leaf, if its index is `before` or greater and it has no name yet.
     fn name_result(&mut self, port: PortRef, path: &str, suffix: &str, before: usize) {
         if alias_of(port).is_some() || port.node.index() < before {
             return;
@@ -189,7 +189,8 @@ impl<'u> Elab<'u> {
         }
     }
 
-    /// The node whose out-ports a wire consists of, in order; the last one made if both have none.
+    /// Returns the node whose outputs are exactly the wire, in order. For a wire without leaves, the last node if it
+    /// has no outputs.
     fn whole_node(&self, wire: &Wire) -> Option<rpi_net::NodeId> {
         let node = match wire.first() {
             None => self.net.node_ids().next_back()?,
@@ -202,7 +203,7 @@ impl<'u> Elab<'u> {
     }
 }
 
-/// The name of the first target that has one.
+/// Appends the name of the first target that has one, or `_`.
 fn push_target_name(text: &mut String, unit: &Unit, equation: &Equation) {
     let (start, targets) = (text.len(), equation.targets.iter());
     for target in targets {

@@ -1,4 +1,4 @@
-//! Calls: a unit inlined at one place.
+//! Elaborates calls by inlining the callee at the place of the call.
 
 use super::expr::leaf_scalars;
 use super::families::Family;
@@ -12,23 +12,23 @@ use rpi_net::{self as net, Absent, Fragment, FragmentId, Origin, PortRef, Restar
 
 /// A call that does not run in all cycles.
 struct Run {
-    /// When it runs.
+    /// Condition under which the call runs.
     every: Signal,
-    /// What it gives then, and what is given before the first time.
+    /// Results of the call when it runs, and their defaults before its first run.
     result: Wire,
     default: Option<Wire>,
-    /// Which leaves of that may be absent when it runs.
+    /// For each leaf of the results, whether it may be absent when the call runs.
     optional: Vec<bool>,
 }
 
-/// What a call gives for an in-port.
+/// Argument of a call: its wire and its span.
 pub(super) struct Arg {
     wire: Wire,
     span: Span,
 }
 
 impl<'u> Elab<'u> {
-    /// A call.
+    /// Elaborates a call expression according to its activation.
     pub(super) fn call(
         &mut self,
         scope: &mut Scope<'u>,
@@ -86,7 +86,8 @@ impl<'u> Elab<'u> {
         let callee = &self.units[call.unit.0 as usize];
         let given = match self.is_guarded(call) {
             true => at,
-            // State goes on whatever an `if` chooses.
+            // A callee with state runs in all cycles, whichever branch of an `if` is chosen, so its arguments are not
+            // guarded.
             false => at.unguarded(),
         };
         let mut args = Vec::with_capacity(call.args.len());
@@ -104,7 +105,7 @@ impl<'u> Elab<'u> {
         args
     }
 
-    /// What a call gives at a place, with what decides about its clocks.
+    /// Inlines a call at `at` and binds the deciders that it exposes.
     fn results_of(
         &mut self,
         scope: &mut Scope<'u>,
@@ -120,7 +121,7 @@ impl<'u> Elab<'u> {
         wire
     }
 
-    /// An argument: absent where its clock does not tick and the call's does.
+    /// Returns an argument of a call. Its leaves are absent where the clock of the call ticks and their own does not.
     fn argument(
         &mut self,
         scope: &mut Scope<'u>,
@@ -135,7 +136,8 @@ impl<'u> Elab<'u> {
         }
     }
 
-    /// The path of what an expression makes: the flow's if it is the flow's whole value.
+    /// Returns the path for the nodes of an expression: the name of the flow if the expression is the flow's whole
+    /// value, else a numbered name.
     fn path(&mut self, id: ExprId) -> String {
         if self.top == Some(id) {
             return self.name.clone();
@@ -161,7 +163,7 @@ impl<'u> Elab<'u> {
         self.fragment(path, at.fragment, activation, restart, span)
     }
 
-    /// An activation by a condition.
+    /// Returns the activation by a condition; `Always` for the constant `true`.
     pub(super) fn when(&mut self, condition: &Signal, at: At, span: Span) -> net::Activation {
         if *condition == Signal::Const(Value::bool(true)) {
             return net::Activation::Always;
@@ -200,7 +202,7 @@ impl<'u> Elab<'u> {
         })
     }
 
-    /// What a call gives that does not run in all cycles: its result, or what it was last.
+    /// Returns the results of a call that does not run in all cycles: those of this cycle, or those of its last run.
     fn held(&mut self, run: &Run, id: ExprId, scope: &Scope<'u>, at: At) -> Wire {
         let span = scope.unit.expr(id).span;
         let scalars = leaf_scalars(&scope.unit.expr(id).ty);
@@ -234,7 +236,7 @@ impl<'u> Elab<'u> {
             }
         };
         let held = match is_optional {
-            // That a run gave nothing is kept, too.
+            // A run whose result is absent is remembered as absent, too.
             true => {
                 let inputs = [run.every.clone(), signal, before];
                 self.family(Family::Conditional, scalar, &inputs, at, span)
@@ -245,7 +247,7 @@ impl<'u> Elab<'u> {
         held
     }
 
-    /// A unit with its in-ports connected; gives its out-ports.
+    /// Inlines a unit with its inputs connected and returns its outputs.
     pub(super) fn inlined(
         &mut self,
         id: UnitId,
@@ -282,7 +284,7 @@ impl<'u> Elab<'u> {
         span: Span,
     ) -> Wire {
         if self.mode == Mode::Constant && unit.kind == UnitKind::Node {
-            // It runs, cycle by cycle; only functions are worked out beforehand.
+            // A node runs cycle by cycle; only functions can be evaluated at compile time.
             return self.fail(NotConstant::Flow(span));
         }
         let keeps_results = std::mem::take(&mut self.keeps_results);
@@ -327,7 +329,7 @@ impl<'u> Elab<'u> {
         self.leaving(&leaves, inner.fragment, at.fragment)
     }
 
-    /// The leaves of a unit's out-ports, for a reader in all its cycles if they are lifted.
+    /// Returns the leaves of a unit's outputs. If `is_lifted`, they are made readable in all cycles of the unit.
     fn outputs_of(&mut self, scope: &mut Scope<'u>, is_lifted: bool, span: Span) -> Wire {
         let mut leaves = Vec::new();
         for output in &scope.unit.outputs {
@@ -363,12 +365,12 @@ impl<'u> Elab<'u> {
         let fragment = self.fragment(path, at.fragment, activation, restart, span);
         let made = &mut self.net.fragments[fragment.0 as usize];
         made.budget_ns = root.budget_ns;
-        // The flow that it gives has that name itself.
+        // The output flow has that path itself, so the fragment gets the unit's name.
         made.origin.flow = Some(scope.unit.name.to_string());
         fragment
     }
 
-    /// Gives a unit's in-ports what the caller connects, or their defaults.
+    /// Connects a unit's inputs to the arguments of the caller, or to their defaults.
     pub(super) fn connect(&mut self, scope: &mut Scope<'u>, args: &[Option<Arg>], at: At) {
         let unit = scope.unit;
         for (flow, arg) in unit.inputs.iter().zip(args) {
@@ -381,21 +383,21 @@ impl<'u> Elab<'u> {
         }
     }
 
-    /// Calls are nested too deeply: one instance calls itself, or there are too many one in the other.
+    /// Reports calls that are nested too deeply: infinite recursion of one instance, or a long chain of calls.
     fn too_deep(&mut self, id: UnitId, span: Span) -> Wire {
         let unit = &self.units[id.0 as usize];
         let message = match self.calling.contains(&id) {
-            true => format!("`{}` calls itself without end", unit.name),
+            true => format!("`{}` is infinitely recursive", unit.name),
             false => format!("calls are nested more than {MAX_DEPTH} deep"),
         };
         let finding = Finding::new(Code::RPI1011, message)
             .at(span, format!("`{}` is called here", unit.name))
             .also(unit.span, "declared here")
-            .help("a recursion over static parameters ends by `with`");
+            .help("end a recursion over static parameters with `with`");
         self.refuse(finding, span)
     }
 
-    /// Reports why there is no net, or no constant; the first reason counts.
+    /// Reports an error that prevents the net or constant. Only the first one is kept.
     pub(super) fn refuse(&mut self, finding: Finding, span: Span) -> Wire {
         if self.mode == Mode::Constant {
             return self.fail(NotConstant::Fault(span, finding.message));
@@ -406,7 +408,7 @@ impl<'u> Elab<'u> {
         self.fail(NotConstant::Faulty)
     }
 
-    /// Gives an alias its signal.
+    /// Binds an alias to its signal, unless it is bound already.
     pub(super) fn bind_alias(&mut self, port: PortRef, signal: &Signal) {
         if let Some(alias) = super::signal::alias_of(port) {
             self.aliases[alias].get_or_insert_with(|| signal.clone());

@@ -1,7 +1,7 @@
-//! Claims: what becomes of them when the net runs.
+//! Elaborates claims (assertions, checks and contracts) for the running net.
 //!
-//! They are left out, or end the command where they do not hold, or are published together with the flows that they
-//! read, so that whoever runs the net sees when one fails and with which values.
+//! A claim is left out, or ends the command if it fails, or is exported together with the flows that it reads, so that
+//! the host sees which claim fails and with which values.
 
 use super::scope::Scope;
 use super::signal::{Signal, nothing};
@@ -15,17 +15,17 @@ use rpi_net::prim;
 use rpi_net::{self as net, ClaimRead};
 use rpi_prims::PrimId;
 
-/// What becomes of the claims of a program: of its assertions and contracts.
+/// Treatment of a program's claims: assertions and contracts.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub enum Claims {
-    /// They are left out: neither they nor what only they need is computed.
+    /// Claims are left out, together with all that only they need.
     Off,
-    /// They are published, with the flows that they read; the run goes on.
+    /// Claims are exported with the flows that they read. The run continues after a failure.
     #[default]
     Report,
-    /// One that does not hold is a fault, which ends the command.
+    /// A failed claim is a fault, which ends the command.
     Fault,
-    /// Both: whoever runs the net sees what the fault comes from.
+    /// Claims are exported and a failure is a fault, so the host sees the cause of the fault.
     ReportedFault,
 }
 
@@ -40,7 +40,7 @@ impl Claims {
 }
 
 impl<'u> Elab<'u> {
-    /// A claim of a body or contract.
+    /// Elaborates a claim of a body or contract.
     pub(super) fn claim(
         &mut self,
         scope: &mut Scope<'u>,
@@ -61,7 +61,7 @@ impl<'u> Elab<'u> {
         let label = claim.label.as_ref().map_or("claim", |label| label.as_str());
         self.begin(&format!("{}{label}", scope.prefix));
         let condition = self.one(scope, claim.condition, at);
-        // Elsewhere it may say that nothing gets there.
+        // In a fragment or a test, a claim that is always false may state that the code is never reached.
         let everywhere = at == At::ROOT && !of_test;
         if self.mode == Mode::Net && everywhere && condition == Signal::Const(Value::bool(false)) {
             self.findings.extend(self.never_holds(scope, claim));
@@ -74,7 +74,7 @@ impl<'u> Elab<'u> {
         }
     }
 
-    /// Publishes whether a claim holds and what it reads.
+    /// Exports whether a claim holds, and the flows that it reads.
     fn publish(
         &mut self,
         scope: &mut Scope<'u>,
@@ -112,24 +112,24 @@ impl<'u> Elab<'u> {
         });
     }
 
-    /// A claim that is false in every cycle: of its own, or because of what this call gives.
+    /// Returns an error for a claim that is false in every cycle, by itself or because of the arguments of this call.
     fn never_holds(&self, scope: &Scope<'_>, claim: &Claim) -> Option<Finding> {
         let of_its_own = || super::constant(self.units, scope.unit, claim.condition).is_ok();
         match (scope.called.filter(|_| !of_its_own()), claim.kind) {
             (None, _) => Some(never(claim)),
             (Some(call), ClaimKind::Assume) => Some(broken_by(call, claim, &scope.unit.name)),
-            // It is owed where the assumptions are kept.
+            // A guarantee only has to hold where the assumptions hold.
             (Some(_), ClaimKind::Guarantee) => None,
-            (Some(call), _) => Some(never(claim).also(call, "for this call")),
+            (Some(call), _) => Some(never(claim).also(call, "false for this call")),
         }
     }
 
-    /// Publishes the leaves of something that a claim reads.
+    /// Exports the leaves of one part that a claim reads.
     fn published(&mut self, scope: &mut Scope<'u>, part: &Part, claim: &str) -> Vec<ClaimRead> {
         let expr = scope.unit.expr(part.expr);
         let wire = match part.flow {
             Some(flow) => self.flow(scope, flow, expr.span),
-            // It is elaborated: the claim has been.
+            // The expression has been elaborated with the claim.
             None => scope.recall(part.expr, None).unwrap_or_else(nothing),
         };
         let mut leaves: Vec<(String, Ty)> = Vec::new();
@@ -159,8 +159,9 @@ impl<'u> Elab<'u> {
     }
 }
 
-/// What ends the command where a claim does not hold: what holds by the writer's word, as do assertions and what the
-/// program as a whole assumes, is told from what follows. The assumptions of a callee bind its caller.
+/// Returns the primitive that ends the command if the claim fails. Assertions and the assumptions of the program as a
+/// whole use `Rpi::Assume`: they hold by the author's word. The assumptions of a callee bind its caller and use
+/// `Rpi::Assert`, as all other claims do.
 fn check(scope: &Scope<'_>, claim: &Claim) -> PrimId {
     match claim.kind {
         ClaimKind::Assert => prim!("Rpi::Assume"),
@@ -169,24 +170,24 @@ fn check(scope: &Scope<'_>, claim: &Claim) -> PrimId {
     }
 }
 
-/// An assumption that is false in every cycle of a call.
+/// Error for an assumption that is false in every cycle of a call.
 fn broken_by(call: Span, claim: &Claim, of: &str) -> Finding {
     Finding::new(
         Code::RPI3102,
         format!("this call breaks an assumption of `{of}`"),
     )
-    .at(call, "whatever comes in")
+    .at(call, "for all inputs")
     .also(claim.span, "false in every cycle of the call")
-    .help("give other values; or correct the assumption, if it asks for too much")
+    .help("pass other values, or correct the assumption if it is too strong")
 }
 
-/// A claim that is false whatever the program does.
+/// Error for a claim that is false for all inputs.
 fn never(claim: &Claim) -> Finding {
     let what = match claim.kind {
         ClaimKind::Assert => "this assertion can never hold",
         ClaimKind::Check => "this property can never hold",
-        ClaimKind::Assume => "no caller can keep this assumption",
-        ClaimKind::Guarantee => "this guarantee can never be kept",
+        ClaimKind::Assume => "no caller can satisfy this assumption",
+        ClaimKind::Guarantee => "this guarantee can never hold",
         ClaimKind::Modes => "no mode of this contract can ever apply",
     };
     Finding::new(Code::RPI3102, what)
@@ -194,8 +195,7 @@ fn never(claim: &Claim) -> Finding {
         .help("correct the condition, or delete it")
 }
 
-/// The name of the fragment in place that a claim stands in; empty in the body, and in a test, whose claims are all its
-/// own.
+/// Name of the block around a claim. Empty in the body of a unit, and in a test, which owns all its claims.
 fn fragment_around(scope: &Scope<'_>, block: BlockId) -> String {
     if scope.unit.kind == UnitKind::Test {
         return String::new();
@@ -208,7 +208,7 @@ fn fragment_around(scope: &Scope<'_>, block: BlockId) -> String {
     block.name.to_string()
 }
 
-/// Whether an expression reads earlier cycles, itself or by what it calls.
+/// Returns whether an expression reads earlier cycles, directly or possibly through a call.
 fn looks_back(scope: &Scope<'_>, id: ExprId) -> bool {
     let kind = &scope.unit.expr(id).kind;
     let mut found = matches!(kind, Kind::Each(Each::Pre, _) | Kind::Call(_));
@@ -216,13 +216,13 @@ fn looks_back(scope: &Scope<'_>, id: ExprId) -> bool {
     found
 }
 
-/// Some leaves of a flow, of a device's port, or a predeclared flow.
+/// Range of leaves of a flow, of a device port or of a predeclared flow, as read by a claim.
 #[derive(PartialEq)]
 struct Part {
-    /// Its name where the claim stands.
+    /// Name as written in the claim.
     name: String,
     flow: Option<FlowId>,
-    /// The expression that it is read by.
+    /// Expression that reads the part.
     expr: ExprId,
     first: usize,
     count: usize,
@@ -234,7 +234,7 @@ impl Part {
     }
 }
 
-/// What an expression reads, in the order of the text, each once.
+/// Collects the parts that an expression reads, in text order without duplicates.
 fn parts_of(scope: &Scope<'_>, id: ExprId, parts: &mut Vec<Part>) {
     match part(scope, id) {
         Some(part) if parts.iter().any(|known| known.is(&part)) => {}
@@ -246,7 +246,7 @@ fn parts_of(scope: &Scope<'_>, id: ExprId, parts: &mut Vec<Part>) {
     }
 }
 
-/// The leaves that `flow`, `flow.part`, `device.port` or a predeclared flow stands for.
+/// Returns the leaves read by `flow`, `flow.part`, `device.port` or a predeclared flow; none for any other expression.
 fn part(scope: &Scope<'_>, id: ExprId) -> Option<Part> {
     let unit = scope.unit;
     let expr = unit.expr(id);
@@ -282,7 +282,7 @@ fn part(scope: &Scope<'_>, id: ExprId) -> Option<Part> {
     }
 }
 
-/// A flow's name as the text reads it: with the fragment in place that it belongs to.
+/// Qualified name of a flow: with the name of its block if that is not the body.
 fn flow_name(unit: &Unit, flow: FlowId) -> String {
     let flow = unit.flow(flow);
     match unit.block(flow.block) {

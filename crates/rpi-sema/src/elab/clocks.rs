@@ -1,5 +1,5 @@
-//! Sampled flows: an expression on clock c is computed in a fragment that is active when c (M4). The fragment is none of
-//! the text: what waits for what is a matter of the single operations in it (M5).
+//! Elaborates sampled flows: an expression on clock c is computed in a fragment that is active when c (M4). This
+//! fragment is not in the source, so dependencies are those of the single operations in it (M5).
 
 use super::families::Family;
 use super::scope::Scope;
@@ -13,18 +13,18 @@ use rpi_image::{Scalar, Value};
 use rpi_net::prim;
 use rpi_net::{FragmentId, PortRef, Restart};
 
-/// What a clock's fragment is known by: the fragment around it, what decides, and for which value.
+/// Key of a clock's fragment: the parent fragment, the decider and its value.
 pub(super) type ClockKey = (FragmentId, Deciding, u32);
 
-/// What decides whether a clock ticks.
+/// Signal that decides whether a clock ticks.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub(super) enum Deciding {
     Flow(PortRef),
-    /// The same in all cycles: a Boolean as 0 or 1, or the number of an enum's value.
+    /// Constant decider: a Boolean as 0 or 1, or the index of an enum's value.
     Constant(i64),
 }
 
-/// Where the leaves of an expression are computed.
+/// Positions where the leaves of an expression are computed.
 pub(super) enum LeafPlaces {
     All(At),
     Each(Vec<At>),
@@ -40,7 +40,7 @@ impl LeafPlaces {
 }
 
 impl<'u> Elab<'u> {
-    /// Where an expression is evaluated: in the fragment of its clock.
+    /// Returns the position where an expression is evaluated: in the fragment of its clock.
     pub(super) fn placed(&mut self, scope: &mut Scope<'u>, id: ExprId, at: At) -> At {
         match self.clocked_facts(scope) {
             Some(facts) => self.place(scope, facts.clocks.place(id), at),
@@ -48,7 +48,7 @@ impl<'u> Elab<'u> {
         }
     }
 
-    /// Where the leaves of an expression are evaluated that works leaf by leaf, of which `at` is the first one's place.
+    /// Returns the positions of the leaves of an elementwise expression. `at` is the position of its first leaf.
     pub(super) fn leaf_places(&mut self, scope: &mut Scope<'u>, id: ExprId, at: At) -> LeafPlaces {
         let row = self.clocked_facts(scope).map(|facts| facts.clocks.row(id));
         match row {
@@ -60,7 +60,8 @@ impl<'u> Elab<'u> {
         }
     }
 
-    /// A place in the fragment of a clock. A guard that lies around it counts there, too.
+    /// Returns the position in the fragment of a clock. The guard of `at` is kept if the fragment lies inside that of
+    /// `at`.
     pub(super) fn place(&mut self, scope: &mut Scope<'u>, clock: ClockId, at: At) -> At {
         let fragment = self.clock_fragment(scope, clock);
         let mut around = self.net.enclosing(fragment);
@@ -77,13 +78,13 @@ impl<'u> Elab<'u> {
         scope.id.and_then(|unit| facts.get(unit.0 as usize))
     }
 
-    /// What is known of a unit in which something is sampled.
+    /// Returns the facts of a unit that has sampled flows; none for other units and for constants.
     pub(super) fn clocked_facts(&self, scope: &Scope<'u>) -> Option<&'u Facts> {
         let facts = self.facts_of(scope).filter(|facts| facts.clocks.any());
         facts.filter(|_| self.mode != Mode::Constant)
     }
 
-    /// The fragment of a clock of the block that is being elaborated.
+    /// Returns the fragment of a clock in the block that is being elaborated, creating it if necessary.
     fn clock_fragment(&mut self, scope: &mut Scope<'u>, clock: ClockId) -> FragmentId {
         let Some(facts) = self.clocked_facts(scope).filter(|_| clock != ClockId::BASE) else {
             return scope.base;
@@ -121,7 +122,7 @@ impl<'u> Elab<'u> {
         let fragment = self.fragment(&path, parent, activation, Restart::Never, span);
         let made = &mut self.net.fragments[fragment.0 as usize];
         made.is_clock = true;
-        // Its author knows the flows in it, but not that there is a fragment around them.
+        // The user knows the flows in this fragment but not the fragment, so it has no flow of its own.
         made.origin.flow = None;
         if let Some(key) = key {
             self.clocks.insert(key, fragment);
@@ -129,7 +130,8 @@ impl<'u> Elab<'u> {
         fragment
     }
 
-    /// By what a flow was known when something was sampled by it first: maybe before its equation was reached.
+    /// Returns the first port under which a flow was used as a decider, which may be an alias from before its equation
+    /// was reached. Otherwise one clock would get two fragments.
     fn first_name(&self, port: PortRef) -> PortRef {
         use super::signal::alias_of;
         let mut name = port;
@@ -141,7 +143,7 @@ impl<'u> Elab<'u> {
         name
     }
 
-    /// Where what decides stands in the text, and what it is called there.
+    /// Returns the span and name of a decider in the source.
     fn written(&self, scope: &Scope<'u>, by: Decider) -> (Span, String) {
         match by {
             Decider::Flow(flow) => {
@@ -154,7 +156,7 @@ impl<'u> Elab<'u> {
         }
     }
 
-    /// What decides about a clock.
+    /// Returns the signal of a decider; an alias for a decider inside a call.
     fn deciding(&mut self, scope: &mut Scope<'u>, by: Decider, span: Span) -> Signal {
         match by {
             Decider::Flow(flow) => {
@@ -176,7 +178,7 @@ impl<'u> Elab<'u> {
         }
     }
 
-    /// The type of what decides.
+    /// Returns the machine type of a decider.
     fn scalar_inside(&self, scope: &Scope<'u>, by: Decider) -> Scalar {
         let (mut unit, mut by) = (scope.unit, by);
         loop {
@@ -197,7 +199,7 @@ impl<'u> Elab<'u> {
         }
     }
 
-    /// What decides about the clocks of a unit's out-ports, for its caller.
+    /// Returns the deciders that a unit exposes to its caller.
     pub(super) fn expose(&mut self, scope: &mut Scope<'u>, id: UnitId, span: Span) -> Vec<Signal> {
         let facts = self.facts.get(id.0 as usize);
         let exposed = facts.map_or(&[][..], |facts| facts.clocks.exposed());
@@ -207,7 +209,7 @@ impl<'u> Elab<'u> {
             .collect()
     }
 
-    /// Connects what decides inside of a call.
+    /// Binds the aliases of the deciders inside a call.
     pub(super) fn bind_inside(
         &mut self,
         scope: &mut Scope<'u>,
@@ -222,7 +224,7 @@ impl<'u> Elab<'u> {
         }
     }
 
-    /// Whether what decides has the value.
+    /// Returns the condition under which a sampling ticks: the decider has its value.
     fn ticks(&mut self, scope: &mut Scope<'u>, tick: Tick, at: At, span: Span) -> Signal {
         let deciding = self.deciding(scope, tick.by, span);
         match (self.scalar_inside(scope, tick.by), tick.value) {
@@ -235,7 +237,7 @@ impl<'u> Elab<'u> {
         }
     }
 
-    /// `merge c (...)`: a choice by the flow that decides. The other cases are not there.
+    /// Elaborates `merge c (...)` as a selection by the decider. Cases that are not selected are absent.
     pub(super) fn merge(
         &mut self,
         scope: &mut Scope<'u>,
@@ -281,7 +283,7 @@ impl<'u> Elab<'u> {
         chosen.into()
     }
 
-    /// `current x`: x where its clock ticks, else what it was at the last tick.
+    /// Elaborates `current x`: x where its clock ticks, else its value at the last tick.
     pub(super) fn current(
         &mut self,
         scope: &mut Scope<'u>,
@@ -318,7 +320,7 @@ impl<'u> Elab<'u> {
         leaves.into()
     }
 
-    /// A flow for a reader in all cycles of its block: absent where its clock does not tick.
+    /// Returns a flow for a reader in all cycles of its block: absent where the flow's clock does not tick.
     pub(super) fn off_clock_absent(
         &mut self,
         scope: &mut Scope<'u>,
@@ -335,7 +337,7 @@ impl<'u> Elab<'u> {
         self.seen(scope, (wire, &scalars), clocks, span)
     }
 
-    /// An operand of a strict operator or call: absent where the operator's clock ticks and its own does not.
+    /// Returns an operand of a strict operator or call: absent where the operator's clock ticks and its own does not.
     pub(super) fn operand_wire(
         &mut self,
         scope: &mut Scope<'u>,
@@ -349,7 +351,7 @@ impl<'u> Elab<'u> {
         self.read_at(scope, operand, clock, at)
     }
 
-    /// An operand of an operator that works leaf by leaf.
+    /// Returns an operand of an elementwise operator, leaf by leaf on the clock of the result.
     pub(super) fn read_each(
         &mut self,
         scope: &mut Scope<'u>,
@@ -368,7 +370,7 @@ impl<'u> Elab<'u> {
         self.seen(scope, (&wire, &scalars), pair, expr.span)
     }
 
-    /// A value for a reader of one clock.
+    /// Returns a value for a reader on one clock.
     pub(super) fn read_at(
         &mut self,
         scope: &mut Scope<'u>,
@@ -386,7 +388,7 @@ impl<'u> Elab<'u> {
         self.seen(scope, (&wire, &scalars), pair, expr.span)
     }
 
-    /// The value of an equation as its targets take it.
+    /// Returns the value of an equation on the clocks of its targets.
     pub(super) fn taken(
         &mut self,
         scope: &mut Scope<'u>,
@@ -413,8 +415,8 @@ impl<'u> Elab<'u> {
         self.seen(scope, (&wire, &scalars), pair, expr.span)
     }
 
-    /// Leaves of a value, each with its clock and that of its reader: those of slower clocks are absent where these do not
-    /// tick.
+    /// Returns leaves of a value, each with its clock and its reader's clock as given by `clocks`. A leaf on a slower
+    /// clock becomes absent where that clock does not tick.
     fn seen(
         &mut self,
         scope: &mut Scope<'u>,
@@ -454,7 +456,8 @@ impl<'u> Elab<'u> {
         leaves.into()
     }
 
-    /// What is sampled: of another clock than what decides, or a faster one, it is optional where both meet.
+    /// Returns the operand of `when` where its clock meets that of the decider. Leaves on other clocks are optional
+    /// there.
     pub(super) fn sampled_value(
         &mut self,
         scope: &mut Scope<'u>,
@@ -486,7 +489,7 @@ impl<'u> Elab<'u> {
         leaves.into()
     }
 
-    /// Whether one of these clocks, each within the one before, does not tick.
+    /// Returns the condition that at least one of these nested samplings does not tick.
     fn off(&mut self, scope: &mut Scope<'u>, path: &[Tick], at: At, span: Span) -> Signal {
         let mut active = Signal::Const(Value::bool(true));
         for tick in path.iter().rev() {
@@ -498,8 +501,8 @@ impl<'u> Elab<'u> {
         self.simple(prim!("Core::BooleanNot"), &[active], at, span)
     }
 
-    /// A flow as it leaves its block: in all cycles of the block, absent where its clock does not tick. It is connected at
-    /// the end, when the fragment of the block is there.
+    /// Returns a flow for readers outside its block: defined in all cycles of the block, absent where its clock does
+    /// not tick. The aliases are bound at the end, when the fragment of the block exists.
     pub(super) fn flow_outside(&mut self, scope: &mut Scope<'u>, flow: FlowId, span: Span) -> Wire {
         let facts = self.clocked_facts(scope);
         let is_base = |facts: &Facts| facts.clocks.flow(flow) == Row::All(ClockId::BASE);
@@ -514,7 +517,7 @@ impl<'u> Elab<'u> {
         wire
     }
 
-    /// Connects what leaves blocks.
+    /// Binds the aliases of flows that are read outside their blocks.
     pub(super) fn bind_outside(&mut self, scope: &mut Scope<'u>) {
         let around = scope.base;
         for (flow, aliases) in std::mem::take(&mut scope.outside) {

@@ -1,4 +1,4 @@
-//! Ports of devices.
+//! Elaborates reads and writes of device ports.
 
 use super::expr::leaf_scalars;
 use super::families::{Family, member};
@@ -13,7 +13,8 @@ use rpi_net::{Alternatives, FragmentId, Inputs, PortRef};
 use rpi_prims::PrimId;
 
 impl<'u> Elab<'u> {
-    /// A sensor or status port: read once, at the start of the cycle, whatever is active.
+    /// Elaborates a read of a sensor or status port. Each port is read once, at the start of the cycle, independently
+    /// of activations.
     pub(super) fn sensor(
         &mut self,
         scope: &mut Scope<'u>,
@@ -59,7 +60,7 @@ impl<'u> Elab<'u> {
         }
     }
 
-    /// What has been read for the first time, behind the checks of its subranges.
+    /// Adds the subrange checks of a port that is read for the first time.
     fn sensed(&mut self, leaves: Vec<Signal>, ty: &Ty, of: (&str, &str), span: Span) -> Wire {
         let count = leaves.len();
         let wire = self.leaves_in_subranges(leaves.into(), ty, 0..count, (At::ROOT, span));
@@ -102,7 +103,7 @@ impl<'u> Elab<'u> {
         self.settled_constant(signal)?.as_str().map(str::to_owned)
     }
 
-    /// A set-point for an actuator port, leaf by leaf.
+    /// Elaborates a write of a set-point to an actuator port, leaf by leaf.
     pub(super) fn write(
         &mut self,
         scope: &mut Scope<'u>,
@@ -136,7 +137,7 @@ impl<'u> Elab<'u> {
 }
 
 impl Elab<'_> {
-    /// Notes which ports of a device exclude one that is written.
+    /// Records the ports of a device that exclude each other with a written port.
     fn note_alternatives(&mut self, device: &str, ty: &DeviceTy, port: &DevicePortTy) {
         let same = |other: &&DevicePortTy| other.is_actuator && other.actuator == port.actuator;
         let group = Alternatives {
@@ -154,7 +155,7 @@ impl Elab<'_> {
     }
 }
 
-/// `arm.joints[2]`, as a flow is called.
+/// Formats the name of a port's leaf, `arm.joints[2]`.
 fn port_name(device: &str, port: &str, index: u32) -> String {
     match index {
         0 => format!("{device}.{port}"),

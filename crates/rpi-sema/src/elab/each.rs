@@ -1,4 +1,4 @@
-//! Operators that work leaf by leaf: `if`, `pre`, `->`, `??`, `hold`.
+//! Elaborates elementwise operators: `if`, `pre`, `->`, `??`, `hold`.
 
 use super::clocks::LeafPlaces;
 use super::expr::leaf_scalars;
@@ -32,6 +32,7 @@ impl<'u> Elab<'u> {
                 None => self.pre(scope, *x, id, at),
                 Some(level) => {
                     if level != at.fragment {
+                        // The usual fix for an uninitialised delay would be wrong here: `->` restarts with the state.
                         self.net.outer_delays.insert(span);
                     }
                     let around = std::mem::replace(&mut scope.base, level);
@@ -59,7 +60,7 @@ impl<'u> Elab<'u> {
         }
     }
 
-    /// `if c then x else y`: what can fault in a branch is guarded by the condition.
+    /// Elaborates `if c then x else y`. Operations in a branch that can fault are guarded by the condition.
     fn choice(
         &mut self,
         scope: &mut Scope<'u>,
@@ -108,7 +109,8 @@ impl<'u> Elab<'u> {
         leaves.into()
     }
 
-    /// `if c then x else y` of a value whose leaves have several clocks: each is chosen by its own.
+    /// Elaborates `if c then x else y` on a value whose leaves have different clocks: each leaf is selected on its own
+    /// clock.
     fn choice_of_each(
         &mut self,
         scope: &mut Scope<'u>,
@@ -146,9 +148,9 @@ impl<'u> Elab<'u> {
         leaves.into()
     }
 
-    /// Whether a constant condition leaves out a branch. What depends on what is a matter of the text, of which there is one
-    /// for each choice of static parameters: of a condition without these both branches count (M5.4), and state in them
-    /// goes on, which may fault (M6.6).
+    /// Returns whether a constant condition drops a branch. Dependencies follow the source, with one version for each
+    /// choice of static arguments. Under a condition without static parameters both branches count (M5.4), and state in
+    /// them keeps running, which may fault (M6.6).
     fn chooses(&mut self, scope: &Scope<'u>, id: ExprId, value: &Value) -> bool {
         let unit = scope.unit;
         let Kind::Each(_, operands) = &unit.expr(id).kind else {
@@ -162,7 +164,7 @@ impl<'u> Elab<'u> {
         is_of_instance || self.mode == Mode::Constant || is_left_out(self)
     }
 
-    /// For each branch the condition under which it counts, if something in it can fault.
+    /// Returns the guard of each branch that can fault; for other branches the guard of `at`.
     fn guards(
         &mut self,
         scope: &Scope<'u>,
@@ -190,7 +192,7 @@ impl<'u> Elab<'u> {
         guards
     }
 
-    /// A place where what can fault counts only while a condition holds.
+    /// Returns the position `at` with the additional guard `condition`.
     pub(super) fn guarded_by(&mut self, condition: Signal, at: At, span: Span) -> At {
         let here = match at.guard {
             Some(outer) => self.simple(
@@ -207,13 +209,13 @@ impl<'u> Elab<'u> {
         }
     }
 
-    /// `pre x`: which of both delays depends on whether x can be absent.
+    /// Elaborates `pre x`. The optional delay is used for leaves of x that can be absent.
     fn pre(&mut self, scope: &mut Scope<'u>, x: ExprId, id: ExprId, at: At) -> Wire {
         let absence = self.absence(scope, x);
         self.delayed(scope, x, id, at, |leaf| absence.leaf(leaf))
     }
 
-    /// The fragment in which the flow is defined that is read, if that is one around the reader.
+    /// Returns the fragment in which the flow read by `x` is defined, if it encloses the reader.
     fn level(&self, scope: &Scope<'u>, x: ExprId, reader: FragmentId) -> Option<FragmentId> {
         let kind = &scope.unit.expr(x).kind;
         let &Kind::Flow(flow) = kind else {
@@ -257,7 +259,7 @@ impl<'u> Elab<'u> {
         leaves.into()
     }
 
-    /// One delay.
+    /// Adds one delay node.
     pub(super) fn delay(
         &mut self,
         family: Family,
@@ -284,8 +286,8 @@ impl<'u> Elab<'u> {
         Signal::Port(PortRef { node, port: 0 })
     }
 
-    /// `a -> b`: what can fault in either is guarded by whether this is the first cycle. `none -> pre x` is the delay that
-    /// starts absent.
+    /// Elaborates `a -> b`. Operations that can fault are guarded by the first cycle or its negation. `none -> pre x`
+    /// becomes a delay that starts absent.
     fn arrow(&mut self, scope: &mut Scope<'u>, a: ExprId, b: ExprId, id: ExprId, at: At) -> Wire {
         let unit = scope.unit;
         let span = unit.expr(id).span;
@@ -319,13 +321,13 @@ impl<'u> Elab<'u> {
         leaves.into()
     }
 
-    /// Whether leaves of an expression can be absent.
+    /// Returns which leaves of an expression can be absent.
     pub(super) fn absence(&self, scope: &Scope<'u>, id: ExprId) -> crate::facts::Absence {
         let facts = scope.id.and_then(|unit| self.facts.get(unit.0 as usize));
         facts.map_or(crate::facts::Absence::NEVER, |facts| facts.absence(id))
     }
 
-    /// A constant that a signal is, or stands for.
+    /// Returns the constant value of a signal, following one alias.
     pub(super) fn settled_constant(&self, signal: &Signal) -> Option<Value> {
         match signal {
             Signal::Const(value) => Some(value.clone()),
@@ -340,8 +342,7 @@ impl<'u> Elab<'u> {
         }
     }
 
-    /// The wire of an expression where a value of so many leaves is wanted: `none` by itself has one, whatever it stands
-    /// beside.
+    /// Returns the wire of an expression expanded to `count` leaves. A bare `none` has a single leaf and is repeated.
     pub(super) fn wide(&mut self, scope: &mut Scope<'u>, id: ExprId, count: usize, at: At) -> Wire {
         let wire = self.expr(scope, id, at);
         match (&wire[..], count) {
@@ -351,7 +352,7 @@ impl<'u> Elab<'u> {
     }
 }
 
-/// Whether an expression reads flows in this very cycle.
+/// Returns whether an expression reads flows in the current cycle, that is outside a delay.
 pub(super) fn reads_flows(unit: &Unit, id: ExprId) -> bool {
     let mut parts = unit.parts(id);
     while let Some((id, expr)) = parts.next() {

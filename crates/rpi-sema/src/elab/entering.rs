@@ -1,9 +1,9 @@
-//! What enters a fragment: for what is around it the fragment is one vertex, of which each output depends on all that is read
-//! inside (M6).
+//! Fragment inputs that may depend on the fragment's own outputs. To its surroundings a fragment is one vertex: each
+//! output depends on all inputs (M6).
 //!
-//! A flow from around a fragment may be another name for a flow that is made in it: `y = F(y)`, where `F` delays its
-//! in-port. Read inside it is no link across the border. So it becomes a node beside the fragment, which waits for the
-//! fragment and which the fragment waits for.
+//! An outer flow may be an alias of a flow computed in the fragment: `y = F(y)`, where `F` delays its input. Read
+//! inside, such a flow would not be a link across the border. A copy node is therefore inserted beside the fragment. It
+//! depends on the fragment, and the fragment depends on it, so that the dependency cycle is found.
 
 use super::scope::{Scope, State};
 use super::signal::{Signal, Wire, alias_of};
@@ -13,7 +13,7 @@ use rpi_diag::Span;
 use rpi_net::FragmentId;
 
 impl<'u> Elab<'u> {
-    /// Lets the in-ports of a called fragment enter it.
+    /// Passes the inputs of a called fragment through entry aliases.
     pub(super) fn ports_enter(&mut self, scope: &mut Scope<'u>, fragment: FragmentId) {
         for port in &scope.unit.inputs {
             if let State::Known(wire) = scope.state(*port).clone() {
@@ -23,7 +23,7 @@ impl<'u> Elab<'u> {
         }
     }
 
-    /// A flow of a block as it is read in a fragment that is written in place in that block.
+    /// Returns a flow of an enclosing block as read in a block in place.
     pub(super) fn read_inside(
         &mut self,
         scope: &Scope<'u>,
@@ -37,7 +37,7 @@ impl<'u> Elab<'u> {
         let Some(around) = scope.fragment(block).filter(|around| *around != reader) else {
             return wire;
         };
-        // A flow that states share stands beside its reader, not around it.
+        // A flow shared by states lies beside its reader, not around it.
         if !self.net.enclosing(reader).any(|f| f == around) {
             return wire;
         }
@@ -59,7 +59,7 @@ impl<'u> Elab<'u> {
         wire.iter().map(&mut leaf).collect()
     }
 
-    /// An alias for one that may turn out to stand for what is made in the fragment.
+    /// Creates an entry alias for an alias that may turn out to refer to an output of the fragment.
     fn entry(&mut self, known: usize, signal: &Signal, fragment: FragmentId) -> Signal {
         let port = self.new_alias(self.alias_types[known]);
         if let Some(alias) = alias_of(port) {
@@ -69,7 +69,8 @@ impl<'u> Elab<'u> {
         Signal::Port(port)
     }
 
-    /// What a settled alias stands for inside of the fragment that it leads into.
+    /// Returns the signal of a resolved entry alias: a copy node outside the fragment if the fragment itself computes
+    /// the signal.
     pub(super) fn before_entry(&mut self, alias: usize, signal: Signal) -> Signal {
         let Some(&fragment) = self.entries.get(&alias) else {
             return signal;

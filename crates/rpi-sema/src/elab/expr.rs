@@ -1,4 +1,4 @@
-//! Expressions, kind by kind.
+//! Elaborates expressions, one method per kind.
 
 use super::families::Family;
 use super::pack::natural;
@@ -13,10 +13,10 @@ use rpi_net::prim;
 use rpi_prims::PrimId;
 use smallvec::SmallVec;
 
-/// Calls in one another that may be elaborated from outside.
+/// Greatest depth of nested calls that is elaborated recursively from the outside in.
 const NESTED: usize = 30;
 
-/// The first argument of a call, or the call whose part this is.
+/// Returns the first argument of a call, or the base of a part.
 fn first_operand(scope: &Scope<'_>, id: ExprId) -> Option<ExprId> {
     match &scope.unit.expr(id).kind {
         Kind::Call(call) if matches!(call.activation, Activation::Always) => {
@@ -29,7 +29,7 @@ fn first_operand(scope: &Scope<'_>, id: ExprId) -> Option<ExprId> {
 }
 
 impl<'u> Elab<'u> {
-    /// The wire of an expression.
+    /// Returns the wire of an expression, elaborating it on first use.
     pub(super) fn expr(&mut self, scope: &mut Scope<'u>, id: ExprId, at: At) -> Wire {
         if let Some(wire) = scope.recall(id, at.guard) {
             return wire;
@@ -46,8 +46,8 @@ impl<'u> Elab<'u> {
         wire
     }
 
-    /// An iterator over an array is a call of a call of a call, as many as there are elements: these are elaborated from
-    /// inside, for each level of nesting costs stack.
+    /// Elaborates deeply nested first operands from the inside out. An array iterator is a nest of one call per
+    /// element, and each level of recursion costs stack.
     fn innermost_first(&mut self, scope: &mut Scope<'u>, id: ExprId, at: At) {
         let mut chain = Vec::new();
         let mut next = first_operand(scope, id);
@@ -62,12 +62,12 @@ impl<'u> Elab<'u> {
         }
     }
 
-    /// A fault of the text, of which there are nets only while the compiler has forgotten to tell it.
+    /// Reports an internal error: an invalid expression without a diagnostic.
     fn untold(&mut self, span: Span) -> Wire {
         if self.mode == Mode::Constant {
             return self.fail(NotConstant::Faulty);
         }
-        let message = "the compiler took something for wrong and did not say why";
+        let message = "internal error: an invalid expression was not reported";
         self.refuse(Finding::of_compiler(message, span), span)
     }
 
@@ -124,7 +124,7 @@ impl<'u> Elab<'u> {
         }
     }
 
-    /// A structure, array or tuple of its parts.
+    /// Elaborates a struct, array or tuple from its parts.
     fn built(
         &mut self,
         scope: &mut Scope<'u>,
@@ -142,13 +142,13 @@ impl<'u> Elab<'u> {
         signals.into()
     }
 
-    /// A condition of a block as one signal, in all cycles of the block.
+    /// Returns the condition of a block as one signal, defined in all cycles of the block.
     pub(super) fn one(&mut self, scope: &mut Scope<'u>, id: ExprId, at: At) -> Signal {
         let wire = self.read_at(scope, id, ClockId::BASE, at);
         wire.first().cloned().unwrap_or(Signal::Absent)
     }
 
-    /// An operand as one signal.
+    /// Returns an operand as one signal.
     pub(super) fn operand(&mut self, scope: &mut Scope<'u>, pair: [ExprId; 2], at: At) -> Signal {
         let wire = self.operand_wire(scope, pair, at);
         wire.first().cloned().unwrap_or(Signal::Absent)
@@ -184,7 +184,7 @@ impl<'u> Elab<'u> {
         leaves.into()
     }
 
-    /// An element at a place that is computed: a chain of choices, and a check that there is such a place.
+    /// Elaborates an element at a computed index: a chain of conditionals with a bounds check.
     fn select(
         &mut self,
         scope: &mut Scope<'u>,
@@ -225,7 +225,7 @@ impl<'u> Elab<'u> {
             && at.guard.is_none()
         {
             let text = format!(
-                "there is no element {k}: the array has {}, counted from 0",
+                "index {k} is out of bounds: the array has {}, counted from 0",
                 rpi_diag::counted(count, "element")
             );
             return self.certain_fault(text, span);
@@ -247,7 +247,7 @@ impl<'u> Elab<'u> {
         self.assert(prim!("Rpi::AssertIndex"), &inside, at, span);
     }
 
-    /// A condition that matters only in the cycles in which the branch around it is chosen.
+    /// Returns a condition that is true in cycles in which the enclosing branch is not chosen.
     pub(super) fn where_chosen(&mut self, condition: &Signal, at: At, span: Span) -> Signal {
         match at.guard {
             Some(guard) => self.simple(
@@ -260,7 +260,7 @@ impl<'u> Elab<'u> {
         }
     }
 
-    /// A check that ends the command by a fault in the cycle in which it fails.
+    /// Adds a check that ends the command with a fault in a cycle in which the condition is false.
     pub(super) fn assert(&mut self, check: PrimId, condition: &Signal, at: At, span: Span) {
         if *condition == Signal::Const(Value::bool(true)) {
             return;
@@ -271,12 +271,12 @@ impl<'u> Elab<'u> {
         } else {
             self.fail(NotConstant::Fault(
                 span,
-                "the index lies outside of the array".to_owned(),
+                "the index is out of bounds".to_owned(),
             ));
         }
     }
 
-    /// `x = y`, leaf by leaf.
+    /// Elaborates `x = y`, leaf by leaf.
     fn equal(
         &mut self,
         scope: &mut Scope<'u>,
@@ -303,7 +303,7 @@ impl<'u> Elab<'u> {
         })
     }
 
-    /// `present(x)`: all leaves are there.
+    /// Elaborates `present(x)`: true if all leaves are present.
     fn present(
         &mut self,
         scope: &mut Scope<'u>,
@@ -334,7 +334,7 @@ impl<'u> Elab<'u> {
         single(all)
     }
 
-    /// Conjunction that does without a node where one side is known.
+    /// Returns a conjunction, without a node if one operand is constant.
     pub(super) fn both(&mut self, a: &Signal, b: &Signal, at: At, span: Span) -> Signal {
         let known = |signal: &Signal| match signal {
             Signal::Const(value) => value.as_bool(),
@@ -350,13 +350,13 @@ impl<'u> Elab<'u> {
         }
     }
 
-    /// Whether what a constant rules out is left out; `reads`: something that reads flows.
+    /// Returns whether code ruled out by a constant is left out. `reads`: whether that code reads flows.
     pub(super) fn drops(&mut self, reads: bool) -> bool {
         self.leaves_out |= reads;
         !reads || matches!(self.mode, Mode::Net | Mode::Constant)
     }
 
-    /// `not present(x)` of one leaf is one primitive.
+    /// Elaborates `not present(x)` of a single leaf as one primitive.
     fn absent_test(
         &mut self,
         scope: &mut Scope<'u>,
@@ -429,7 +429,7 @@ impl<'u> Elab<'u> {
         wire
     }
 
-    /// What an in-port is given, and as what it takes it.
+    /// Returns the wire of a primitive's argument with its machine type.
     fn given(
         &mut self,
         scope: &mut Scope<'u>,
@@ -444,7 +444,7 @@ impl<'u> Elab<'u> {
         (ty.unwrap_or_else(|| natural(port, wire.len())), wire)
     }
 
-    /// The parameters of a primitive: constants by now.
+    /// Evaluates the parameters of a primitive, which must be constant here.
     fn params(
         &mut self,
         scope: &mut Scope<'u>,
@@ -480,7 +480,7 @@ impl<'u> Elab<'u> {
     }
 }
 
-/// Some leaves of a wire.
+/// Returns `count` leaves of a wire starting at `at`.
 pub(super) fn part(wire: &Wire, at: usize, count: usize) -> Wire {
     match wire.get(at..at.saturating_add(count)) {
         Some(leaves) if leaves.len() == wire.len() => wire.clone(),
@@ -489,10 +489,10 @@ pub(super) fn part(wire: &Wire, at: usize, count: usize) -> Wire {
     }
 }
 
-/// The machine types of some leaves.
+/// Machine types of the leaves of a type.
 pub(super) type Scalars = SmallVec<[Scalar; 4]>;
 
-/// The machine types of a type's leaves.
+/// Returns the machine types of a type's leaves.
 pub(super) fn leaf_scalars(ty: &crate::ty::Ty) -> Scalars {
     let mut scalars = Scalars::new();
     ty.leaves(&mut |_, leaf| scalars.push(leaf.scalar().unwrap_or(Scalar::Bool)));

@@ -1,10 +1,10 @@
-//! Primitives that exist once per value type: their names.
+//! Families of primitives that exist once per value type, and the names of their members.
 
 use rpi_image::Scalar;
 use rpi_prims::PrimId;
 use std::sync::OnceLock;
 
-/// The operations.
+/// Operation that is implemented by one primitive for each value type.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Family {
     Value,
@@ -25,7 +25,7 @@ pub(super) enum Family {
     Input,
 }
 
-/// For each operation what stands before and after the type's name.
+/// For each operation, the prefix and suffix around the name of the value type.
 const NAMES: &[(Family, Prefix, &str)] = &[
     (Family::Value, Prefix::Reference, "Value"),
     (Family::IsNull, Prefix::Reference, "IsNull"),
@@ -45,20 +45,20 @@ const NAMES: &[(Family, Prefix, &str)] = &[
     (Family::Input, Prefix::Reference, "NetcommIn"),
 ];
 
-/// Where a name begins.
+/// Prefix of a primitive's name.
 #[derive(Clone, Copy)]
 enum Prefix {
-    /// `Core::` or `World::`, as the reference system has it.
+    /// `Core::` or `World::`, as in the reference system.
     Reference,
-    /// `Rpi::` and a word.
+    /// `Rpi::` followed by a word.
     Own(&'static str),
 }
 
-/// What has been looked up for one operation, by value type.
+/// Cached members of one family, by value type.
 type Row = [OnceLock<Option<PrimId>>; Scalar::ALL.len()];
 
-/// The primitive of an operation for a value type, if there is one. Each is looked up when it is first asked for: a
-/// program needs few of them.
+/// Returns the primitive of an operation for a value type, if it exists. Lookups are cached and done on demand, because
+/// a program needs few of them.
 pub(super) fn member(family: Family, scalar: Scalar) -> Option<PrimId> {
     static MEMBERS: [Row; NAMES.len()] = [const { [const { OnceLock::new() }; _] }; _];
     let row = NAMES.iter().position(|row| row.0 == family)?;

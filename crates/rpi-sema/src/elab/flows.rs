@@ -1,4 +1,4 @@
-//! Reading and defining flows.
+//! Reads and definitions of flows.
 
 use super::expr::leaf_scalars;
 use super::scope::{Scope, State};
@@ -10,7 +10,7 @@ use rpi_diag::Span;
 use rpi_net::PortRef;
 
 impl<'u> Elab<'u> {
-    /// The wire of a flow; aliases if its equation has not been reached yet.
+    /// Returns the wire of a flow; aliases if its equation has not been elaborated yet.
     pub(super) fn flow(&mut self, scope: &mut Scope<'u>, flow: FlowId, span: Span) -> Wire {
         match scope.state(flow) {
             State::Known(wire) => return wire.clone(),
@@ -38,7 +38,7 @@ impl<'u> Elab<'u> {
             .collect()
     }
 
-    /// Works out a flow of a function on demand.
+    /// Evaluates a flow of a function on demand.
     fn constant_flow(&mut self, scope: &mut Scope<'u>, flow: FlowId, span: Span) -> Wire {
         let role = scope.unit.flow(flow).role;
         let unit = scope.unit;
@@ -59,7 +59,7 @@ impl<'u> Elab<'u> {
         }
     }
 
-    /// Gives an equation's targets the leaves of its value.
+    /// Defines the targets of an equation by the leaves of its value.
     pub(super) fn define_all(&mut self, scope: &mut Scope<'u>, equation: &Equation, wire: &Wire) {
         let mut at = 0;
         for target in &equation.targets {
@@ -76,7 +76,7 @@ impl<'u> Elab<'u> {
         }
     }
 
-    /// Gives leaves of a flow their signals.
+    /// Defines leaves of a flow, from `at` on, by their signals.
     pub(super) fn define(&mut self, scope: &mut Scope<'u>, flow: FlowId, at: usize, part: &Wire) {
         let whole = scope.unit.flow(flow).ty.leaf_count();
         if part.len() == whole

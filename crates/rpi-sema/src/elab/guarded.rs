@@ -1,7 +1,8 @@
-//! What can fault in an operand that is not always needed does so only in the cycles in which it is needed: in a branch of
-//! an `if`, behind `??`, `and`, `or` and `=>`, on a side of `->`, in the condition of a strong transition. Primitives that
-//! can fault have a twin with a condition as its first in-port. Calls of functions and of nodes without state are guarded
-//! as a whole. State in an operand goes on in all cycles, as in Lustre, and so do the faults on the way to it.
+//! Guards for operations in operands that are not always needed: a branch of an `if`, the right side of `??`, `and`,
+//! `or` and `=>`, a side of `->`, the condition of a strong transition. Such an operation faults only in cycles in
+//! which its operand is needed. A primitive that can fault has a guarded variant with a condition as its first input.
+//! Calls of functions and of stateless nodes are guarded as a whole. State in an operand runs in all cycles, as in
+//! Lustre, and so do the faults of the operations that feed it.
 
 use super::Elab;
 use super::scope::Scope;
@@ -14,7 +15,7 @@ use rpi_image::Role;
 use rpi_prims::PrimId;
 use std::rc::Rc;
 
-/// Primitives that can fault, and their twins.
+/// Primitives that can fault, with their guarded variants.
 const TWINS: &[(&str, &str)] = &[
     ("Core::IntAdd", "Rpi::GuardedIntAdd"),
     ("Rpi::IntSubtract", "Rpi::GuardedIntSubtract"),
@@ -28,7 +29,7 @@ const TWINS: &[(&str, &str)] = &[
     ("Rpi::TicksFromSeconds", "Rpi::GuardedTicksFromSeconds"),
 ];
 
-/// The twin of a primitive that asks whether it counts.
+/// Returns the guarded variant of a primitive.
 pub(super) fn twin(prim: PrimId) -> Option<PrimId> {
     let desc = prim.desc();
     let row = TWINS
@@ -37,42 +38,42 @@ pub(super) fn twin(prim: PrimId) -> Option<PrimId> {
     PrimId::of(row.1)
 }
 
-/// Properties of an expression: of itself or of something in it.
+/// Properties of an expression including its operands.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Within {
-    /// Something can fault that a guard would keep from it.
+    /// Whether the expression contains an operation that can fault and can be guarded.
     can_fault: bool,
-    /// Something has state, which goes on whatever chooses it.
+    /// Whether the expression contains state, which runs in all cycles.
     goes_on: bool,
 }
 
-/// Properties of a unit.
+/// Properties of a unit and of its expressions.
 pub(super) struct WithinUnit {
-    /// Of each of its expressions.
+    /// Properties of each expression of the unit.
     exprs: Vec<Within>,
-    /// Something can fault in what it computes, or it claims something.
+    /// Whether the unit can fault, or has a claim.
     can_fault: bool,
-    /// Calls of it can be guarded as a whole: it has no state, neither in its body nor in a contract.
+    /// Whether calls of the unit can be guarded as a whole: it has no state, neither in its body nor in a contract.
     is_stateless: bool,
 }
 
 impl<'u> Elab<'u> {
-    /// Whether something in an expression can fault that a guard would keep from it.
+    /// Returns whether an expression contains an operation that can fault and can be guarded.
     pub(super) fn can_fault(&mut self, scope: &Scope<'u>, id: ExprId) -> bool {
         self.within(scope, id).can_fault
     }
 
-    /// Whether something in an expression has state, which goes on whatever chooses it.
+    /// Returns whether an expression contains state, which runs in all cycles.
     pub(super) fn goes_on(&mut self, scope: &Scope<'u>, id: ExprId) -> bool {
         self.within(scope, id).goes_on
     }
 
-    /// Whether the faults of a call follow the choices around it.
+    /// Returns whether a call is guarded as a whole.
     pub(super) fn is_guarded(&mut self, call: &Call) -> bool {
         matches!(call.activation, Activation::Always) && self.is_stateless(call.unit)
     }
 
-    /// Whether a unit has no state.
+    /// Returns whether a unit has no state.
     pub(super) fn is_stateless(&mut self, unit: UnitId) -> bool {
         match self.units[unit.0 as usize].kind {
             UnitKind::Function => true,
@@ -81,7 +82,7 @@ impl<'u> Elab<'u> {
         }
     }
 
-    /// A constant outside of a unit has no state, and faults when it is worked out or not at all.
+    /// Returns the properties of an expression. A constant outside any unit has no state and no faults at run time.
     fn within(&mut self, scope: &Scope<'u>, id: ExprId) -> Within {
         match scope.id {
             Some(unit) => self.within_unit(unit).exprs[id.0 as usize],
@@ -89,7 +90,8 @@ impl<'u> Elab<'u> {
         }
     }
 
-    /// Units that are called come first, without recursion: a chain of calls may be longer than the stack is deep.
+    /// Computes the properties of a unit after those of its callees. Iterative, because a chain of calls may exceed the
+    /// stack.
     fn within_unit(&mut self, id: UnitId) -> Rc<WithinUnit> {
         let mut open = vec![id];
         let mut entered: Set<UnitId> = Set::default();
@@ -136,7 +138,7 @@ impl<'u> Elab<'u> {
         }
     }
 
-    /// Of all expressions of a unit at once: their operands come before them.
+    /// Computes the properties of all expressions of a unit. Operands precede their expressions in the table.
     fn within_each(&self, unit: &Unit) -> Vec<Within> {
         let mut all: Vec<Within> = Vec::with_capacity(unit.exprs.len());
         for expr in &unit.exprs {
@@ -153,7 +155,7 @@ impl<'u> Elab<'u> {
         all
     }
 
-    /// Properties of an expression without its operands. On the way to a state nothing is guarded.
+    /// Returns the properties of an expression without its operands. Operations that feed a state are not guarded.
     fn alone(&self, expr: &Expr) -> Within {
         let kind = &expr.kind;
         let called = match kind {
@@ -165,7 +167,7 @@ impl<'u> Elab<'u> {
         let goes_on = match kind {
             Kind::Each(Each::Pre | Each::Last | Each::Hold, _) | Kind::Current(_) => true,
             Kind::Prim(call) => has_state(call),
-            // One that is not known yet is part of a ring of calls, an error of its own.
+            // A callee without properties is part of a recursion, which is reported elsewhere.
             Kind::Call(_) => called.is_none(),
             _ => false,
         };
@@ -180,20 +182,20 @@ impl<'u> Elab<'u> {
     }
 }
 
-/// Whether a primitive remembers earlier cycles. What it does to a device counts as state, too.
+/// Returns whether a primitive has state. Access to a device counts as state.
 pub(super) fn has_state(call: &PrimCall) -> bool {
     let desc = call.prim.desc();
     !matches!(desc.state, rpi_image::State::None)
         || matches!(desc.role, Role::Delay | Role::Actuator(_) | Role::Export)
 }
 
-/// Whether a block of a node is computed as a whole: the body, or a contract.
+/// Returns whether a block has no fragment of its own: the body or a contract, without automata, exports and condition.
 fn is_plain(id: BlockId, block: &Block) -> bool {
     let is_inside = id != BlockId::ROOT && !block.is_contract;
     !is_inside && block.automata.is_empty() && block.exports.is_empty() && block.when.is_none()
 }
 
-/// The calls in a unit.
+/// Iterates over the calls in a unit.
 fn calls(unit: &Unit) -> impl Iterator<Item = &Call> {
     unit.exprs.iter().filter_map(|expr| match &expr.kind {
         Kind::Call(call) => Some(&**call),

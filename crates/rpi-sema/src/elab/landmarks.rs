@@ -1,4 +1,4 @@
-//! Which places of the text the parts of a net come from: noted for tests, of which is told what they reach.
+//! Coverage points: records which places in the source the parts of a test's net come from.
 
 use super::signal::Signal;
 use super::{At, Elab};
@@ -8,8 +8,8 @@ use rpi_diag::Span;
 use rpi_image::Scalar;
 use rpi_net::{Choice, Exit, Exits, FragmentId, Net, Side};
 
-/// Gives fragments and nodes names that no other beside them has: a test finds them in the image by their names, and what is
-/// called twice, or two automata of a body, make some of one name.
+/// Makes the names of fragments and nodes unique within their parent. A test finds them in the image by name, and
+/// repeated calls or several automata in one body produce equal names.
 pub(super) fn tell_apart(net: &mut Net) {
     let mut known = Known::default();
     for fragment in net.fragments.iter_mut().skip(1) {
@@ -22,7 +22,7 @@ pub(super) fn tell_apart(net: &mut Net) {
     }
 }
 
-/// The names inside of fragments; with each, the last number that was put behind it.
+/// Names in use within each fragment, each with the last number appended to it.
 type Known = Map<(FragmentId, String), usize>;
 
 fn own_name(name: &mut String, inside: FragmentId, known: &mut Known) {
@@ -37,14 +37,14 @@ fn own_name(name: &mut String, inside: FragmentId, known: &mut Known) {
 }
 
 impl Elab<'_> {
-    /// Notes that a unit is called.
+    /// Records that a unit is called.
     pub(super) fn called_here(&mut self, unit: &Unit) {
         if self.tells_landmarks {
             self.net.landmarks.called.push(unit.span);
         }
     }
 
-    /// Notes a choice; gives what its branches are, the one for true first.
+    /// Records a choice and returns its branches, the one for `true` first.
     pub(super) fn choice_here(
         &mut self,
         condition: &Signal,
@@ -66,7 +66,7 @@ impl Elab<'_> {
         [true, false].map(|taken_if| Some(Side { choice, taken_if }))
     }
 
-    /// Notes what may leave a state, last transition first.
+    /// Records the transitions out of a state. `exits` has the last transition first.
     pub(super) fn exits_here(
         &mut self,
         here: &Signal,

@@ -1,8 +1,8 @@
-//! What leaves a fragment without having been made there: outside it is there only while the fragment is active (M4, M6).
+//! Fragment outputs that only alias an outer flow or a constant. Outside, they are present only while the fragment is
+//! active (M4, M6).
 //!
-//! A flow inside of a fragment that is a constant, or another name for a flow from around it, needs no node there. Who
-//! reads it from outside reads an absent flow in the cycles in which the fragment is inactive; so for such a reader it
-//! becomes a node of the fragment.
+//! Inside a fragment, a flow that is a constant or an alias of an outer flow needs no node. A reader outside sees an
+//! absent flow in the cycles in which the fragment is inactive, so for such a reader a node is added to the fragment.
 
 use super::expr::leaf_scalars;
 use super::scope::Scope;
@@ -13,7 +13,7 @@ use rpi_diag::Span;
 use rpi_image::{Scalar, Type};
 use rpi_net::{Activation, FragmentId, PortRef};
 
-/// A leaf that leaves a block of which the fragment has not been made yet.
+/// Leaf that is read outside a block whose fragment does not exist yet.
 pub(super) struct Leaving {
     alias: usize,
     block: BlockId,
@@ -21,8 +21,8 @@ pub(super) struct Leaving {
 }
 
 impl<'u> Elab<'u> {
-    /// The wire of a flow as it is read from somewhere in its unit; from outside of a block that may be inactive meanwhile it
-    /// is a flow of the surroundings.
+    /// Returns the wire of a flow for a reader in its unit. A reader outside a block that may be inactive sees an
+    /// optional flow.
     pub(super) fn read_flow(
         &mut self,
         scope: &mut Scope<'u>,
@@ -41,7 +41,7 @@ impl<'u> Elab<'u> {
         wire
     }
 
-    /// A node for each leaf that is read, at the place where it is read.
+    /// Adds a node for each leaf that is read, at the position of the reader.
     fn reads(&mut self, scope: &Scope<'u>, flow: FlowId, wire: &Wire, at: At, span: Span) -> Wire {
         let scalars = leaf_scalars(&scope.unit.flow(flow).ty).into_iter();
         let leaves = scalars.zip(&**wire).map(|(scalar, signal)| match signal {
@@ -74,7 +74,7 @@ impl<'u> Elab<'u> {
         wire.iter().map(&mut leaf).collect()
     }
 
-    /// Leaves of a fragment as they are seen by a reader.
+    /// Returns the leaves of fragment `from` for a reader in fragment `reader`.
     pub(super) fn leaving(&mut self, wire: &Wire, from: FragmentId, reader: FragmentId) -> Wire {
         if self.mode == Mode::Constant || !self.is_gated(from, reader) {
             return wire.clone();
@@ -89,7 +89,7 @@ impl<'u> Elab<'u> {
         wire.iter().map(&mut leaf).collect()
     }
 
-    /// Finds the fragments of what has left blocks, now that all blocks have theirs.
+    /// Assigns the pending leaves to their fragments, which all exist now.
     pub(super) fn find_gates(&mut self, scope: &mut Scope<'u>) {
         for leaf in std::mem::take(&mut scope.leaving) {
             let from = scope.fragment(leaf.block);
@@ -99,7 +99,7 @@ impl<'u> Elab<'u> {
         }
     }
 
-    /// An alias for a leaf that may turn out not to be made in its fragment.
+    /// Creates a gate alias for a leaf that may turn out not to be computed in its fragment.
     fn gate(&mut self, signal: &Signal) -> Option<(usize, Signal)> {
         let scalar = match signal {
             Signal::Const(value) => match value.ty()? {
@@ -118,14 +118,15 @@ impl<'u> Elab<'u> {
         Some((alias, Signal::Port(port)))
     }
 
-    /// Whether a fragment may be inactive while one that reads it is active.
+    /// Returns whether fragment `from` may be inactive while fragment `reader` is active.
     fn is_gated(&self, from: FragmentId, reader: FragmentId) -> bool {
         let inside = self.net.enclosing(from);
         let mut inside = inside.take_while(|f| self.net.enclosing(reader).all(|r| r != *f));
         inside.any(|f| matches!(self.net.fragment(f).activation, Activation::When { .. }))
     }
 
-    /// What a settled alias stands for outside of the fragment that it comes from.
+    /// Returns the signal of a resolved gate alias: a node in the fragment if the signal is a constant or computed
+    /// elsewhere.
     pub(super) fn behind_gate(&mut self, alias: usize, signal: Signal) -> Signal {
         let Some(&from) = self.gates.get(&alias) else {
             return signal;
@@ -148,7 +149,7 @@ impl<'u> Elab<'u> {
         self.net.enclosing(maker).any(|f| f == fragment)
     }
 
-    /// The type of a port of one leaf.
+    /// Returns the machine type of a port with one leaf.
     fn scalar_of(&self, port: PortRef) -> Option<Scalar> {
         match self
             .net

@@ -1,21 +1,22 @@
-//! From typed units to a net.
+//! Elaboration of typed units to a net.
 //!
-//! Calls are inlined, composite values exploded into one link per leaf, parameters folded; what a fragment in place
-//! reads and gives becomes links across its border. A flow may be read before its equation has been reached: its reader
-//! is connected to an alias, which is settled at the end, so that neither order nor length of a chain matters.
+//! Calls are inlined, composite values are split into one link per leaf, and parameters are folded. Reads and writes of
+//! blocks in place become links across fragment borders. A flow may be read before its equation is elaborated: the
+//! reader is then connected to an alias, which is resolved at the end, so neither order nor length of a chain matters.
 //!
-//! The same walk works out constants: then nothing but folding is allowed, and flows are worked out on demand.
+//! Constants are evaluated by the same code. Only folding is allowed then, and flows are evaluated on demand.
 //!
 //! | file | idea |
 //! |---|---|
-//! | `signal.rs` | what a leaf is connected to |
+//! | `signal.rs` | signal that a leaf is connected to |
 //! | `families.rs` | primitives that exist once per value type |
-//! | `nodes.rs`, `pack.rs`, `promise.rs` | adding nodes, folding them; arrays at ports |
+//! | `nodes.rs`, `pack.rs`, `promise.rs` | adding and folding nodes; arrays at ports |
 //! | `scope.rs`, `slots.rs`, `flows.rs` | one inlined unit and its flows |
 //! | `expr.rs`, `each.rs`, `guarded.rs`, `needed.rs`, `call.rs`, `time.rs` | expressions |
-//! | `block.rs`, `claims.rs`, `automaton.rs`, `clocks.rs`, `leaving.rs`, `entering.rs` | bodies, fragments, states, sampled flows |
-//! | `subrange.rs` | checks of what is declared as a subrange |
-//! | `device.rs`, `root.rs`, `settle.rs` | devices, commands and nodes that are run, the end |
+//! | `block.rs`, `claims.rs`, `automaton.rs`, `clocks.rs` | bodies, claims, automata, sampled flows |
+//! | `leaving.rs`, `entering.rs` | outputs and inputs of fragments |
+//! | `subrange.rs` | run-time checks of subranges |
+//! | `device.rs`, `root.rs`, `settle.rs` | devices, entry points (commands and nodes), resolving aliases |
 
 mod allowance;
 mod automaton;
@@ -64,23 +65,23 @@ use scope::{Scope, State};
 use signal::{Signal, Wire};
 use std::rc::Rc;
 
-/// Why an expression has no value before the program runs.
+/// Reason why an expression has no value at compile time.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) enum NotConstant {
-    /// A fault that has been reported.
+    /// The expression has an error that has been reported.
     Faulty,
-    /// It depends on something that is known only at run time.
+    /// The expression depends on a value that is known only at run time.
     Flow(Span),
-    /// Working it out faults.
+    /// The evaluation faults; with the place and the message.
     Fault(Span, String),
 }
 
-/// The leaves of a constant expression of a unit.
+/// Evaluates a constant expression of a unit and returns its leaves.
 pub(crate) fn constant(units: &[Unit], unit: &Unit, id: ExprId) -> Result<Rc<[Leaf]>, NotConstant> {
     constant_with(units, unit, id, &[])
 }
 
-/// The value of an expression of a unit that depends on its parameters alone, of which `args` are the first.
+/// Evaluates an expression that depends only on the unit's parameters. `args` are the values of the first parameters.
 #[must_use]
 pub fn argument(units: &[Unit], unit: &Unit, id: ExprId, args: &[Argument]) -> Argument {
     match constant_with(units, unit, id, args) {
@@ -117,28 +118,28 @@ fn constant_with(
     wire.iter().map(leaf).collect()
 }
 
-/// What an elaboration is for.
+/// Purpose of an elaboration.
 #[derive(Clone, Copy, PartialEq, Debug)]
 enum Mode {
-    /// A net.
+    /// Net to be run.
     Net,
-    /// A net of all that the text says, branches included that a constant never chooses: what depends on what (M5).
+    /// Net of the whole source, with branches that a constant never chooses, for the dependency analysis (M5).
     Whole,
-    /// Such a net in which every equation leaves a node of its own, even one that only passes on: what messages about rings
-    /// are drawn from.
+    /// Like [`Mode::Whole`], with a node for every equation, including mere copies. Messages about dependency cycles
+    /// are drawn from this net.
     Steps,
-    /// A constant.
+    /// Evaluation of a constant.
     Constant,
 }
 
-/// Where an expression is evaluated.
+/// Position at which an expression is evaluated.
 #[derive(Clone, Copy, PartialEq, Debug)]
 struct At {
-    /// The fragment.
+    /// Fragment of the expression.
     fragment: FragmentId,
-    /// Inside a branch of an `if`: true in the cycles in which it is chosen. What can fault is guarded by it.
+    /// Condition under which the enclosing branch of an `if` is chosen. Operations that can fault are guarded by it.
     guard: Option<PortRef>,
-    /// That branch, if it is told which choices there are.
+    /// Enclosing branch, if coverage points are recorded.
     side: Option<Side>,
 }
 
@@ -158,73 +159,75 @@ impl At {
     }
 }
 
-/// A net in the making.
+/// State of the elaboration of one net or constant.
 struct Elab<'u> {
     units: &'u [Unit],
     facts: &'u [Facts],
     mode: Mode,
     net: Net,
-    /// What each alias stands for, once it is known.
+    /// Signal of each alias, once it is known.
     aliases: Vec<Option<Signal>>,
     alias_types: Vec<Scalar>,
-    /// The aliases that are just being followed, to see when one comes round.
+    /// For each alias, whether it is being resolved, to detect aliases that depend on themselves.
     settling: Vec<bool>,
-    /// The fragments that aliases lead out of: outside their constants are there only while these are active.
+    /// For each gate alias, the fragment that it leads out of. Outside, its constants are present only while the
+    /// fragment is active.
     gates: Map<usize, FragmentId>,
-    /// The fragments that aliases lead into, each of which is one vertex for what is around it.
+    /// For each entry alias, the fragment that it leads into. To its surroundings this fragment is one vertex.
     entries: Map<usize, FragmentId>,
-    /// The fragments that are written in place.
+    /// Fragments of blocks in place.
     in_place: Set<FragmentId>,
-    /// Arrays that stand for aliases, in the order of these.
+    /// Arrays whose leaves are not known yet, in the order of their aliases.
     promises: Vec<promise::Promise>,
-    /// `first` of each fragment.
+    /// Port of `first` in each fragment.
     firsts: Map<FragmentId, PortRef>,
-    /// What the core gives in each cycle (`time`, `cancel`), as far as it has been read in a fragment.
+    /// Inputs of the cycle (`time`, `cancel`) that have been read in each fragment.
     of_cycle: Map<(FragmentId, PrimId), signal::Wire>,
-    /// The fragments of clocks.
+    /// Fragments of clocks.
     clocks: Map<clocks::ClockKey, FragmentId>,
-    /// What decides about the clocks of the results of the unit that was inlined last.
+    /// Deciders exposed by the unit that was inlined last.
     exposed: Vec<Signal>,
-    /// Whether the results of the unit that is inlined next are kept while it does not run.
+    /// Whether the next inlined unit's results are kept while it does not run.
     keeps_results: bool,
-    /// By what flows were known before their equations were reached, where something is sampled.
+    /// For each flow, the alias by which it was known before its equation was reached. Filled only where clocks are
+    /// used.
     names_before: Map<PortRef, PortRef>,
-    /// Elements that have been taken out of array ports.
+    /// Elements that have been extracted from array ports.
     elements: Map<(PortRef, u32), PortRef>,
     /// Sensor ports that have been read.
     sensors: Map<(String, String, u32), PortRef>,
-    /// What is in the units in which that was asked for.
+    /// Cache of the properties of units.
     within: Map<UnitId, Rc<guarded::WithinUnit>>,
-    /// Why the constant is none.
+    /// First reason why the constant cannot be evaluated.
     failure: Option<NotConstant>,
-    /// Name of the flow that is being defined, with the path of calls that leads to it.
+    /// Name of the flow that is being defined, prefixed by the path of calls.
     name: String,
-    /// The expression that is its whole value.
+    /// Expression that is the whole value of that flow.
     top: Option<ExprId>,
-    /// Number of nodes made for it.
+    /// Number of nodes made for that flow.
     serial: u32,
-    /// The condition under which the call counts that is being written out.
+    /// Guard of the call that is being inlined.
     entered: Option<PortRef>,
-    /// The calls that are being written out, each in the one before.
+    /// Stack of the calls that are being inlined, outermost first.
     calling: Vec<UnitId>,
-    /// How much may still be written out.
+    /// Remaining budget for expanded code.
     allowance: allowance::Allowance,
     findings: Vec<Finding>,
-    /// Whether a claim was met.
+    /// Whether any claim was found.
     has_claims: bool,
-    /// Operands that are not always needed and have state.
+    /// Operands with state that are not always needed.
     operands: Vec<Operand>,
-    /// Whether something was left out that only a constant rules out.
+    /// Whether code was left out only because a constant rules it out.
     leaves_out: bool,
-    /// What becomes of claims.
+    /// Treatment of claims.
     claims: Claims,
-    /// Whether it is told what is made from which place of the text.
+    /// Whether coverage points are recorded.
     tells_landmarks: bool,
-    /// Flows that somebody looks at although they leave the net nowhere.
+    /// Exported ports that keep flows alive that nothing in the net reads.
     watched: Vec<rpi_net::ExportPort>,
 }
 
-/// The deepest nesting of calls: each level costs stack.
+/// Greatest depth of nested calls. Each level of inlining costs stack.
 pub(crate) const MAX_DEPTH: usize = 400;
 
 impl<'u> Elab<'u> {
@@ -267,7 +270,7 @@ impl<'u> Elab<'u> {
         }
     }
 
-    /// Notes why a constant is none; the first reason counts.
+    /// Records why a constant cannot be evaluated. Only the first reason is kept.
     fn fail(&mut self, reason: NotConstant) -> Wire {
         self.failure.get_or_insert(reason);
         signal::nothing()

@@ -1,5 +1,6 @@
-//! Operators that need their right operand only sometimes: `and`, `or` and `=>` unless the left one decides, `??` where the
-//! left one is absent. What can fault in the right operand is guarded by that.
+//! Elaborates operators that do not always need their right operand: `and`, `or` and `=>` unless the left operand
+//! decides, `??` if the left operand is absent. Operations in the right operand that can fault are guarded by that
+//! condition.
 
 use super::clocks::LeafPlaces;
 use super::each::reads_flows;
@@ -15,7 +16,7 @@ use rpi_net::prim;
 use rpi_prims::PrimId;
 use std::ops::Range;
 
-/// The operators on truth values that one operand can decide.
+/// Boolean operators whose result one operand can decide.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Logic {
     And,
@@ -34,28 +35,28 @@ impl Logic {
         .find_map(|(one, logic)| (one == prim).then_some(logic))
     }
 
-    /// The left operand that makes the right one needless.
+    /// Value of the left operand that decides the result.
     fn deciding(self) -> bool {
         self == Logic::Or
     }
 
-    /// The result that it decides.
+    /// Result if the left operand decides it.
     fn decided(self) -> bool {
         self != Logic::And
     }
 }
 
-/// An operand that is not always needed and has state, which goes on in all cycles.
+/// Operand that is not always needed and contains state, which runs in all cycles.
 #[derive(Clone, Debug)]
 pub struct Operand {
-    /// Its place.
+    /// Span of the operand.
     pub span: Span,
-    /// The nodes that were made for it, by their numbers.
+    /// Range of the numbers of the operand's nodes.
     pub nodes: Range<u32>,
 }
 
 impl<'u> Elab<'u> {
-    /// The wire of an operand that is needed only where something chooses it.
+    /// Elaborates an operand that is not always needed, recording it if it contains state.
     pub(super) fn lazily(
         &mut self,
         scope: &mut Scope<'u>,
@@ -74,7 +75,7 @@ impl<'u> Elab<'u> {
         wire
     }
 
-    /// `x and y`, `x or y`, `x => y` where y can fault; none for all other primitives.
+    /// Elaborates `x and y`, `x or y` and `x => y` where y can fault or has state; none for all other primitives.
     pub(super) fn short_circuit(
         &mut self,
         scope: &mut Scope<'u>,
@@ -111,13 +112,13 @@ impl<'u> Elab<'u> {
         Some(single(self.simple(call.prim, &[first, second], at, span)))
     }
 
-    /// Whether an operand that is never needed can be left out altogether.
+    /// Returns whether an operand that is never needed can be left out.
     fn leaves(&mut self, scope: &Scope<'u>, operand: ExprId) -> bool {
         self.mode == Mode::Constant
             || !self.goes_on(scope, operand) && self.drops(reads_flows(scope.unit, operand))
     }
 
-    /// Whether the left operand leaves the result open: an absent one does.
+    /// Returns the condition that the left operand does not decide the result. An absent operand does not decide.
     fn undecided(&mut self, logic: Logic, left: &Signal, at: At, span: Span) -> Signal {
         let deciding = logic.deciding();
         let left = match left {
@@ -135,7 +136,7 @@ impl<'u> Elab<'u> {
         }
     }
 
-    /// `x ?? y`
+    /// Elaborates `x ?? y`.
     pub(super) fn choice_by_presence(
         &mut self,
         scope: &mut Scope<'u>,
@@ -167,8 +168,8 @@ impl<'u> Elab<'u> {
             .collect()
     }
 
-    /// The right operand of `??`, or a part of it, of which leaves are needed where those of the left one are absent. Of
-    /// what is put together in place each part has a condition of its own.
+    /// Elaborates the right operand of `??`, or a part of it. `absent` says for each leaf whether the left operand is
+    /// absent. Each part of a composite built in place is guarded by the condition of its own leaves.
     fn where_absent(
         &mut self,
         scope: &mut Scope<'u>,
@@ -204,7 +205,7 @@ impl<'u> Elab<'u> {
         })
     }
 
-    /// Disjunction of conditions that are never absent.
+    /// Returns the disjunction of conditions that are never absent.
     fn any_of(&mut self, conditions: &[Signal], at: At, span: Span) -> Signal {
         let mut any = Signal::Const(Value::bool(false));
         for (k, condition) in conditions.iter().enumerate() {
@@ -231,7 +232,7 @@ impl<'u> Elab<'u> {
             _ => self.family(Family::IsNull, scalar, std::slice::from_ref(leaf), at, span),
         }
     }
-    /// One leaf of `x ?? y`.
+    /// Elaborates one leaf of `x ?? y`.
     fn coalesce(
         &mut self,
         first: Signal,

@@ -1,4 +1,4 @@
-//! Adding nodes to the net, and not adding those whose result is known.
+//! Adds nodes to the net. A node whose result is known is folded instead.
 
 use super::families::{Family, member};
 use super::pack::natural;
@@ -13,8 +13,8 @@ use rpi_prims::{FaultCode, PrimId, fold};
 use smallvec::smallvec;
 
 impl Elab<'_> {
-    /// A primitive with its in-ports connected, `None` where they are open, and all its parameters. Gives the leaves of
-    /// its out-ports.
+    /// Adds a primitive with its inputs connected (`None` if open) and all its parameters. Returns the leaves of its
+    /// outputs.
     pub(super) fn prim(
         &mut self,
         prim: PrimId,
@@ -30,7 +30,7 @@ impl Elab<'_> {
         self.prim_shaped(prim, inputs, params, at, span)
     }
 
-    /// The same for in-ports of which the types are known, sizes included.
+    /// Like [`prim`](Self::prim), for inputs whose types are known including sizes.
     pub(super) fn prim_shaped(
         &mut self,
         prim: PrimId,
@@ -50,7 +50,7 @@ impl Elab<'_> {
         self.connected(prim, connected, params, at, span)
     }
 
-    /// A primitive of which is known what its in-ports read: its result if that is constant, else a node.
+    /// Adds a primitive whose inputs are ports or constants. Returns its folded result if that is constant.
     fn connected(
         &mut self,
         prim: PrimId,
@@ -72,7 +72,7 @@ impl Elab<'_> {
         self.out_wire(node)
     }
 
-    /// A primitive with one-leaf in-ports and one out-port.
+    /// Adds a primitive with inputs of one leaf and one output.
     pub(super) fn simple(&mut self, prim: PrimId, inputs: &[Signal], at: At, span: Span) -> Signal {
         let mut connected = Inputs::with_capacity(inputs.len());
         for (port, signal) in prim.desc().inputs.iter().zip(inputs) {
@@ -83,7 +83,7 @@ impl Elab<'_> {
         wire.first().cloned().unwrap_or(Signal::Absent)
     }
 
-    /// The member of a family for a value type.
+    /// Adds the member of a family for a value type.
     pub(super) fn family(
         &mut self,
         family: Family,
@@ -98,7 +98,7 @@ impl Elab<'_> {
         }
     }
 
-    /// A node that gives what it reads; the port itself where no primitive does so for its type.
+    /// Adds a node that copies its input. Returns the port itself if its type has no such primitive.
     pub(super) fn passing_on(
         &mut self,
         port: PortRef,
@@ -127,6 +127,7 @@ impl Elab<'_> {
         span: Span,
     ) -> NodeId {
         let name = numbered(&self.name, self.serial);
+        // Over budget, node 0 is returned so that the elaboration can finish. The error has been reported.
         if !self.may_add(&name, span) && !self.net.nodes.is_empty() {
             return NodeId(0);
         }
@@ -142,7 +143,7 @@ impl Elab<'_> {
         })
     }
 
-    /// The leaves of a node's out-ports.
+    /// Returns the leaves of a node's outputs.
     pub(super) fn out_wire(&self, node: NodeId) -> Wire {
         let outputs = &self.net.node(node).outputs;
         if let [Type::One(_)] = outputs[..] {
@@ -198,14 +199,17 @@ impl Elab<'_> {
     fn no_sizes(&mut self, prim: PrimId, span: Span) -> Wire {
         let finding = Finding::new(
             Code::RPI2009,
-            format!("the sizes of `{}` do not fit", prim.desc().name),
+            format!("size mismatch in the arguments of `{}`", prim.desc().name),
         )
-        .at(span, "no size of its result follows from these arguments");
+        .at(
+            span,
+            "cannot infer the size of the result from these arguments",
+        );
         self.findings.push(finding);
         self.fail(NotConstant::Faulty)
     }
 
-    /// The result if all in-ports are constant and nothing else counts.
+    /// Returns the folded result if all inputs are constant and the primitive can be folded.
     fn folded(
         &mut self,
         prim: PrimId,
@@ -233,7 +237,7 @@ impl Elab<'_> {
         }
     }
 
-    /// A fault that is certain; in a branch of an `if` it may never be reached.
+    /// Reports a fault that occurs in every cycle. Under a guard it may never be reached, so it is not reported.
     fn constant_fault(&mut self, fault: FaultCode, at: At, span: Span) {
         if at.guard.is_some() {
             return;
@@ -252,14 +256,14 @@ impl Elab<'_> {
         }
     }
 
-    /// Makes room for as many more aliases.
+    /// Reserves memory for `more` aliases.
     pub(super) fn expect_aliases(&mut self, more: usize) {
         self.aliases.reserve(more);
         self.alias_types.reserve(more);
         self.settling.reserve(more);
     }
 
-    /// A new alias for a flow of a machine type.
+    /// Creates an alias for a flow of a machine type.
     pub(super) fn new_alias(&mut self, scalar: Scalar) -> PortRef {
         self.aliases.push(None);
         self.alias_types.push(scalar);
@@ -267,7 +271,7 @@ impl Elab<'_> {
         alias(self.aliases.len() - 1)
     }
 
-    /// `first` of a fragment.
+    /// Returns the signal `first` of a fragment.
     pub(super) fn first(&mut self, fragment: FragmentId, span: Span) -> Signal {
         if let Some(port) = self.firsts.get(&fragment) {
             return Signal::Port(*port);
@@ -280,7 +284,7 @@ impl Elab<'_> {
     }
 }
 
-/// `name#serial`, digit by digit: every node is given such a name, and most a short one.
+/// Formats `name#serial`. Written by hand because every node gets such a name and formatting is slow.
 fn numbered(name: &str, serial: u32) -> String {
     let digits = serial.checked_ilog10().unwrap_or(0);
     let digit = |k| char::from_digit(serial / 10_u32.pow(k) % 10, 10);
@@ -291,7 +295,7 @@ fn numbered(name: &str, serial: u32) -> String {
     text
 }
 
-/// All parameters of a primitive by their defaults.
+/// Returns the defaults of all parameters of a primitive.
 pub(super) fn default_params(prim: PrimId) -> Vec<Value> {
     prim.desc()
         .params
@@ -300,7 +304,7 @@ pub(super) fn default_params(prim: PrimId) -> Vec<Value> {
         .collect()
 }
 
-/// What an in-port reads that is not connected.
+/// Returns the input of an unconnected port: its default, or open.
 fn open(need: Need, ty: PortType) -> Input {
     let PortType::One(scalar) = ty else {
         return Input::Open;
@@ -321,7 +325,7 @@ fn default_input(default: PortDefault, scalar: Scalar) -> Input {
         .map_or(Input::Open, Input::constant)
 }
 
-/// A value leaf by leaf: the elements of an array one by one.
+/// Splits a value into its leaves, the elements of an array.
 pub(super) fn leaves(value: &Value) -> Vec<Leaf> {
     let (scalar, count) = match value.ty() {
         None | Some(Type::One(_)) => return vec![value.clone()],
@@ -339,11 +343,11 @@ pub(super) fn leaves(value: &Value) -> Vec<Leaf> {
 fn fault_text(fault: FaultCode) -> &'static str {
     match fault {
         FaultCode::IntegerOverflow => "the result does not fit into 64 bits",
-        FaultCode::DivisionByZero => "a division by zero",
-        FaultCode::LossyConversion => "the real has no integer value",
-        FaultCode::IndexOutOfRange => "the index lies outside of the array",
-        FaultCode::OutsideSubrange => "the value lies outside of its subrange",
-        FaultCode::ShapeMismatch => "sizes that do not fit",
-        _ => "this can not be worked out",
+        FaultCode::DivisionByZero => "division by zero",
+        FaultCode::LossyConversion => "the real number cannot be converted to `int`",
+        FaultCode::IndexOutOfRange => "the index is out of bounds",
+        FaultCode::OutsideSubrange => "the value is outside its subrange",
+        FaultCode::ShapeMismatch => "size mismatch",
+        _ => "this expression cannot be evaluated",
     }
 }

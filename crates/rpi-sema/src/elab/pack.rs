@@ -1,4 +1,4 @@
-//! Arrays at the ports of primitives: leaves put together, elements taken out, and neither where an array only passes.
+//! Arrays at the ports of primitives: packs leaves, extracts elements, and passes whole arrays on directly.
 
 use super::families::{Family, member};
 use super::signal::{Signal, alias_of};
@@ -11,7 +11,7 @@ use rpi_prims::PrimId;
 use smallvec::smallvec;
 
 impl Elab<'_> {
-    /// What an in-port of this type reads to get a value.
+    /// Returns the input of a port of type `ty` for the given leaves.
     pub(super) fn input(&mut self, wire: &[Signal], ty: Type, at: At, span: Span) -> Input {
         match (ty, wire.first()) {
             (Type::One(_), None) => Input::Open,
@@ -38,7 +38,7 @@ impl Elab<'_> {
         }
     }
 
-    /// A flow that is never present.
+    /// Adds a flow that is never present.
     pub(super) fn absent(&mut self, scalar: Scalar, at: At, span: Span) -> Option<PortRef> {
         let prim = member(Family::SetNull, scalar)?;
         let value = Input::constant(Value::neutral(Type::One(scalar)));
@@ -55,7 +55,7 @@ impl Elab<'_> {
         Some(PortRef { node, port: 0 })
     }
 
-    /// The port of one element of an array port; taken out once, beside the array.
+    /// Returns the port of one element of an array port. The element is extracted once, in the fragment of the array.
     pub(super) fn element(&mut self, array: PortRef, k: u32, span: Span) -> PortRef {
         if let Some(port) = self.elements.get(&(array, k)) {
             return *port;
@@ -71,7 +71,7 @@ impl Elab<'_> {
         port
     }
 
-    /// A primitive that takes one element out of an array.
+    /// Adds a primitive that extracts one element of an array.
     fn take(&mut self, array: PortRef, ty: Type, k: u32, at: At, span: Span) -> Option<PortRef> {
         let (prim, scalar, mut given) = match ty {
             Type::One(_) => return None,
@@ -88,8 +88,8 @@ impl Elab<'_> {
         Some(PortRef { node, port: 0 })
     }
 
-    /// An array as a whole. Where its leaves are not known yet it is promised, and put together at the end: it may turn
-    /// out to be one that is there already.
+    /// Returns an array as one input. If some leaves are unresolved aliases, packing is deferred to the end, because
+    /// the leaves may turn out to be the elements of an existing array.
     fn array_input(&mut self, wire: &[Signal], ty: Type, at: At, span: Span) -> Input {
         let is_open = |signal: &Signal| matches!(signal, Signal::Port(p) if alias_of(*p).is_some());
         if wire.iter().any(is_open) {
@@ -98,7 +98,7 @@ impl Elab<'_> {
         self.settled_array(wire, ty, at, span)
     }
 
-    /// An array whose leaves are known.
+    /// Returns an array whose leaves are resolved.
     pub(super) fn settled_array(&mut self, wire: &[Signal], ty: Type, at: At, span: Span) -> Input {
         if let Some(port) = self.whole(wire, ty) {
             return Input::Port(port);
@@ -116,7 +116,7 @@ impl Elab<'_> {
         }
     }
 
-    /// The port of this type that the leaves are all elements of, in order.
+    /// Returns the port of type `ty` whose elements are exactly these leaves, in order.
     fn whole(&self, wire: &[Signal], ty: Type) -> Option<PortRef> {
         let Some(Signal::Element(array, 0)) = wire.first() else {
             return None;
@@ -129,7 +129,7 @@ impl Elab<'_> {
         (in_order && same && wire.len() == elements(ty)).then_some(*array)
     }
 
-    /// A new array, filled element by element.
+    /// Creates an array and fills it element by element.
     fn array_of(&mut self, wire: &[Signal], ty: Type, at: At, span: Span) -> Option<PortRef> {
         let Maker {
             make,
@@ -159,7 +159,7 @@ impl Elab<'_> {
         Some(array)
     }
 
-    /// The port of a signal, for what takes nothing but ports.
+    /// Returns the port of a signal, for inputs that accept only ports.
     pub(super) fn port_of(
         &mut self,
         signal: &Signal,
@@ -188,13 +188,13 @@ impl Elab<'_> {
     }
 }
 
-/// The primitives that make and fill arrays of a type.
+/// Primitives that create and fill an array of one type.
 struct Maker {
     make: PrimId,
-    /// The parameters that say how large it is.
+    /// Size parameters, by name.
     sizes: Vec<(&'static str, u32)>,
     set: PrimId,
-    /// The type of its elements.
+    /// Machine type of the elements.
     scalar: Scalar,
 }
 
@@ -218,7 +218,7 @@ impl Maker {
     }
 }
 
-/// The parameters that say which element.
+/// Returns the parameters that select element `k`.
 fn place(ty: Type, k: u32) -> Vec<(&'static str, u32)> {
     match ty {
         Type::One(_) => Vec::new(),
@@ -227,7 +227,7 @@ fn place(ty: Type, k: u32) -> Vec<(&'static str, u32)> {
     }
 }
 
-/// The type of a port that takes so many leaves; a matrix of which no more is known has one row.
+/// Returns the type of a port that takes `leaves` leaves. A matrix of unknown shape gets one row.
 pub(super) fn natural(port: PortType, leaves: usize) -> Type {
     let n = u32::try_from(leaves).unwrap_or(u32::MAX);
     match port {
@@ -245,7 +245,7 @@ fn elements(ty: Type) -> usize {
     }
 }
 
-/// Parameters of a primitive, by name where given, else by default.
+/// Returns the parameters of a primitive: the given ones by name, defaults for the others.
 fn sized_params(prim: PrimId, given: &[(&str, u32)]) -> Vec<Value> {
     let value = |param: &rpi_image::Param| {
         let given = given.iter().find(|(name, _)| *name == param.name);

@@ -1,7 +1,7 @@
-//! Arrays that are read before all their leaves are known: promised now, put together at the end.
+//! Deferred arrays: arrays that are read before all their leaves are known, packed at the end of the elaboration.
 //!
-//! An array read from a fragment that the text has not come to yet, or along a circle, would otherwise be taken apart
-//! and put together again, element by element, although it only passes.
+//! An array read from a block that is elaborated later, or along a dependency cycle, would otherwise be unpacked and
+//! packed again element by element, although it is only passed on.
 
 use super::signal::{Signal, Wire, alias_of};
 use super::{At, Elab};
@@ -9,7 +9,7 @@ use rpi_diag::Span;
 use rpi_image::{Scalar, Type};
 use rpi_net::{Input, PortRef};
 
-/// An array that is to be.
+/// Array that is packed at the end of the elaboration.
 pub(super) struct Promise {
     alias: PortRef,
     wire: Wire,
@@ -19,9 +19,9 @@ pub(super) struct Promise {
 }
 
 impl Elab<'_> {
-    /// Promises an array of these leaves.
+    /// Defers an array of these leaves and returns the alias of the whole array.
     pub(super) fn promise(&mut self, wire: Wire, ty: Type, at: At, span: Span) -> PortRef {
-        // The alias stands for a whole array; the type that it has as a leaf is never asked for.
+        // The alias refers to a whole array, so its type as a leaf is never used.
         let alias = self.new_alias(Scalar::Bool);
         self.promises.push(Promise {
             alias,
@@ -33,13 +33,13 @@ impl Elab<'_> {
         alias
     }
 
-    /// The type of a promised array.
+    /// Returns the type of a deferred array.
     pub(super) fn promised_type(&self, alias: PortRef) -> Option<Type> {
         let at = self.promises.binary_search_by_key(&alias, |p| p.alias);
         at.ok().map(|at| self.promises[at].ty)
     }
 
-    /// Keeps all promises; the leaves' aliases are settled.
+    /// Packs all deferred arrays. The aliases of their leaves must be resolved.
     pub(super) fn keep_promises(&mut self) {
         for promise in std::mem::take(&mut self.promises) {
             let leaf = |signal: &Signal| self.settled_leaf(signal);

@@ -1,4 +1,4 @@
-//! How large all nets of a program together may become: each is bounded by itself, and a short text can ask for many.
+//! Size limit for all nets of a program together. Each net has its own limit, but a short program can have many nets.
 
 use crate::check::Checked;
 use crate::program::Program;
@@ -6,22 +6,22 @@ use crate::typed::Unit;
 use rpi_diag::{Code, Finding, Span};
 use std::cell::Cell;
 
-/// What every program may have.
+/// Nodes allowed for every program, in addition to what its text allows.
 const FREE: usize = 240_000;
 
-/// What a byte of text pays for.
+/// Nodes allowed for each byte of text.
 const PER_BYTE: usize = 2;
 
-/// What a step of a task pays for: its command may have a net of its own, for its arguments.
+/// Nodes allowed for each step of a task, whose command may have a net of its own for its arguments.
 const PER_STEP: usize = 2_000;
 
-/// The most steps of all tasks of a program together: a task is written out wherever another one runs it.
+/// Greatest number of steps of all tasks of a program together. A task is expanded wherever another task runs it.
 pub const MAX_STEPS: usize = 20_000;
 
-/// The most tasks that run one another in a row.
+/// Greatest depth of tasks that run one another.
 pub const MAX_TASKS_IN_A_ROW: usize = 400;
 
-/// The room for nodes.
+/// Remaining budget of nodes for a program.
 #[derive(Debug)]
 pub struct Room {
     left: Cell<usize>,
@@ -29,7 +29,7 @@ pub struct Room {
 }
 
 impl Room {
-    /// The room that a program has.
+    /// Creates the budget of a program from the length of its text and the number of its steps.
     #[must_use]
     pub fn of(program: &Program<'_>, checked: &Checked) -> Room {
         let steps: usize = checked.units.iter().map(|unit| unit.steps.len()).sum();
@@ -39,38 +39,38 @@ impl Room {
         }
     }
 
-    /// Whether there is any left.
+    /// Returns whether any nodes remain.
     #[must_use]
     pub fn is_left(&self) -> bool {
         self.left.get() > 0
     }
 
-    /// A net of so many nodes has been made.
+    /// Subtracts the nodes of a net.
     pub fn take(&self, nodes: usize) {
         self.left.set(self.left.get().saturating_sub(nodes));
     }
 
-    /// What is to be said at the first thing that has no room.
+    /// Returns an error for the first net that exceeds the budget; none for later ones.
     #[must_use]
     pub fn used_up(&self, span: Span) -> Option<Finding> {
-        let message = "written out the whole program is too much to work with";
+        let message = "program is too large after all calls are expanded";
         (!self.is_told.replace(true)).then(|| {
             Finding::new(Code::RPI1011, message)
-                .at(span, "what stands before this uses up the room")
+                .at(span, "the limit is reached before this")
                 .help("divide the program into several files")
         })
     }
 }
 
-/// What is to be said of a task with which those that are written out have more than [`MAX_STEPS`], or in which more than
-/// [`MAX_TASKS_IN_A_ROW`] run one another.
+/// Error for a task with which the expanded tasks have more than [`MAX_STEPS`] steps, or in which more than
+/// [`MAX_TASKS_IN_A_ROW`] tasks run one another.
 #[must_use]
 pub fn task_too_large(task: &Unit) -> Finding {
-    let message = format!("written out `{}` is too large", task.name);
+    let message = format!("task `{}` is too large after expansion", task.name);
     let what = format!(
-        "with this one the tasks have more than {MAX_STEPS} steps, or more than {MAX_TASKS_IN_A_ROW} tasks run one another in a row"
+        "the tasks up to this one have more than {MAX_STEPS} steps, or nest more than {MAX_TASKS_IN_A_ROW} deep"
     );
     Finding::new(Code::RPI1011, message)
         .at(task.span, what)
-        .help("a task is written out wherever another one runs it; `repeat n times let ... tel` is written out once")
+        .help("a task is expanded wherever another task runs it; `repeat n times let ... tel` is expanded once")
 }

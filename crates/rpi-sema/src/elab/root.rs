@@ -1,4 +1,4 @@
-//! What is run: a command, or a node by itself.
+//! Elaborates an entry point: a command, a test, or a node on its own.
 
 use super::families::Family;
 use super::scope::{Scope, State};
@@ -13,62 +13,63 @@ use rpi_image::{Scalar, Value};
 use rpi_net::{Driver, ExportPort, Given, Input, Net, Origin, ResultKind, ResultPort};
 use rpi_syntax::ast::EndKind;
 
-/// The port of an input that tells when it was set last, absent before.
+/// Index of the output of an input primitive that holds the time of the last write, absent before the first.
 const UPDATED: u8 = 1;
 
-/// What a parameter of a command is when it is loaded.
+/// Value of a parameter when a command is loaded.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Argument {
-    /// Its leaves; the name of the device if it is one.
+    /// Leaves of the value; for a device, its name.
     Value(Vec<Leaf>),
-    /// What its declaration says.
+    /// Default from the parameter's declaration.
     Default,
-    /// Not known yet: the net is only to be checked.
+    /// Unknown value: the net is only checked, not run.
     Unknown,
 }
 
-/// A port of what is run: where its leaves come from or go to.
+/// External port of an entry point, one leaf.
 #[derive(Clone, PartialEq, Debug)]
 pub struct PortShape {
     /// Key of the leaf, `x.f[2]`.
     pub key: String,
-    /// Its type.
+    /// Type of the leaf.
     pub ty: Ty,
-    /// Whether it may be absent.
+    /// Whether the leaf may be absent.
     pub optional: bool,
 }
 
-/// A flow that is neither read nor written from outside, but can be looked at.
+/// Local flow that is neither input nor output but can be observed.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Local {
-    /// Its name and type.
+    /// Name and type of the flow.
     pub shape: PortShape,
-    /// Where its value is.
+    /// Port that holds the value.
     pub port: ExportPort,
 }
 
-/// A net, and how to talk to it.
+/// Net of an entry point with its external interface.
 #[derive(Clone, Debug)]
 pub struct Elaborated {
-    /// The net.
+    /// Elaborated net.
     pub net: Net,
-    /// In-ports, leaf by leaf.
+    /// Inputs, leaf by leaf.
     pub inputs: Vec<PortShape>,
-    /// Out-ports, leaf by leaf.
+    /// Outputs, leaf by leaf.
     pub outputs: Vec<PortShape>,
-    /// Whether there are claims in it, whatever has become of them.
+    /// Whether the unit contains claims, even if they were left out.
     pub has_claims: bool,
-    /// Other flows of the unit itself, leaf by leaf, if they were asked for.
+    /// Local flows of the unit, leaf by leaf, if requested.
     pub locals: Vec<Local>,
-    /// What was found on the way.
+    /// Diagnostics of the elaboration.
     pub findings: Vec<Finding>,
-    /// Operands that are not always needed and have state, inner ones first.
+    /// Operands with state that are not always needed, inner ones first.
     pub operands: Vec<Operand>,
-    /// Whether a branch was left out that only a constant rules out: there may be a ring through it.
+    /// Whether a branch was left out only because a constant rules it out. A dependency cycle may lead through that
+    /// branch.
     pub leaves_out: bool,
 }
 
-/// Makes the net of a unit. `args` are for its parameters, in order; what is missing is not known.
+/// Elaborates the net of a unit. `args` are the values of its parameters in order; missing ones are unknown.
 #[must_use]
 pub fn elaborate(
     units: &[Unit],
@@ -80,22 +81,23 @@ pub fn elaborate(
     Job::new(units, facts, id, args, claims).run(Mode::Net)
 }
 
-/// The net of a unit with a node for every equation, so that a dependency cycle through it names each step.
+/// Elaborates a unit with a node for every equation, so that a dependency cycle in the net names each step.
 #[must_use]
 pub fn elaborate_steps(units: &[Unit], facts: &[Facts], id: UnitId, args: &[Argument]) -> Net {
     let job = Job::new(units, facts, id, args, Claims::Report);
     job.run(Mode::Steps).net
 }
 
-/// Whether something depends on itself within a cycle through what only a constant rules out.
+/// Returns whether the whole source, including branches ruled out by constants, has a dependency cycle within one
+/// cycle.
 #[must_use]
 pub fn hides_ring(units: &[Unit], facts: &[Facts], id: UnitId, args: &[Argument]) -> bool {
     let job = Job::new(units, facts, id, args, Claims::Report);
     rpi_net::passes::has_ring(&job.run(Mode::Whole).net)
 }
 
-/// Makes the net of a node that runs by itself, outside of any command; its local flows can be looked at if they are
-/// asked for.
+/// Elaborates the net of a node that runs on its own, outside any command. `locals` requests that local flows can be
+/// observed.
 #[must_use]
 pub fn elaborate_alone(
     units: &[Unit],
@@ -108,14 +110,14 @@ pub fn elaborate_alone(
     Job { locals, ..job }.run(Mode::Net)
 }
 
-/// What is to be elaborated.
+/// Parameters of one elaboration.
 struct Job<'u, 'a> {
     units: &'u [Unit],
     facts: &'u [Facts],
     id: UnitId,
     args: &'a [Argument],
     claims: Claims,
-    /// Whether its local flows are asked for.
+    /// Whether local flows can be observed.
     locals: bool,
 }
 
@@ -137,7 +139,7 @@ impl<'u, 'a> Job<'u, 'a> {
         }
     }
 
-    /// What became of it.
+    /// Runs the elaboration.
     fn run(&self, mode: Mode) -> Elaborated {
         let mut elab = Elab::new(self.units, self.facts, mode);
         elab.claims = self.claims;
@@ -185,7 +187,8 @@ impl<'u, 'a> Job<'u, 'a> {
 }
 
 impl<'u> Elab<'u> {
-    /// Makes room for the nodes of a large unit at once: most expressions are one at most, and a state takes a few besides.
+    /// Reserves memory for the nodes of a large unit. Most expressions need at most one node, and a state needs a few
+    /// more.
     fn make_room(&mut self, unit: &Unit) {
         const LARGE: usize = 10_000;
         const OF_A_STATE: usize = 4;
@@ -199,7 +202,7 @@ impl<'u> Elab<'u> {
         }
     }
 
-    /// Connects the parameters. Those that are not known become aliases that stand for neutral values.
+    /// Connects the parameters. Unknown ones become aliases of neutral values, which are returned and bound at the end.
     fn parameters(
         &mut self,
         scope: &mut Scope<'u>,
@@ -224,7 +227,8 @@ impl<'u> Elab<'u> {
                 _ => {
                     let mut leaves = Vec::new();
                     for scalar in super::expr::leaf_scalars(&declared.ty) {
-                        // A Boolean decides what can happen at all: it stands for both values.
+                        // A Boolean decides what can happen at all, so it must not be fixed: it becomes an external
+                        // input.
                         if scalar == Scalar::Bool {
                             leaves.push(self.outside(&declared.name, scalar, declared.span));
                             continue;
@@ -242,7 +246,8 @@ impl<'u> Elab<'u> {
         unknown
     }
 
-    /// In-ports of a node by itself, and what a command takes over: set from outside, by key.
+    /// Elaborates the inputs of a node on its own and the values that a command takes over. They are set from outside
+    /// by key.
     fn inputs(&mut self, scope: &mut Scope<'u>) -> Vec<PortShape> {
         let unit = scope.unit;
         let mut shapes = Vec::new();
@@ -294,7 +299,7 @@ impl<'u> Elab<'u> {
         shapes
     }
 
-    /// An input that may be absent is what it is otherwise, or absent, until it is set.
+    /// Returns the signal of an optional input: its default, or absent, until it is set.
     fn unless_given(
         &mut self,
         given: &Signal,
@@ -315,7 +320,7 @@ impl<'u> Elab<'u> {
         self.family(Family::Conditional, scalar, &inputs, At::ROOT, span)
     }
 
-    /// A value that the program leaves open is set from outside, if anybody sets it.
+    /// Elaborates a value that the program leaves open as an external input.
     pub(super) fn left_open(&mut self, scope: &Scope<'u>, id: ExprId, at: At) -> Wire {
         let expr = scope.unit.expr(id);
         if self.mode == Mode::Constant {
@@ -338,7 +343,7 @@ impl<'u> Elab<'u> {
         self.outside_at((key, None), scalar, At::ROOT, span)
     }
 
-    /// What is set from outside by a key, with the value that it has until then, if one is said.
+    /// Adds an external input with a key and an optional initial value.
     fn outside_at(
         &mut self,
         (key, default): (&str, Option<Value>),
@@ -364,7 +369,7 @@ impl<'u> Elab<'u> {
         wire.first().cloned().unwrap_or(Signal::Absent)
     }
 
-    /// Out-ports of a node by itself are published.
+    /// Exports the outputs of a node on its own.
     fn outputs(&mut self, scope: &mut Scope<'u>) -> Vec<PortShape> {
         let unit = scope.unit;
         let mut shapes = Vec::new();
@@ -392,7 +397,8 @@ impl<'u> Elab<'u> {
         self.net.exports.extend(port);
     }
 
-    /// What publishes a flow; a constant is there in the cycles of the place.
+    /// Returns the port that exports a flow. A constant is exported in the cycles in which the fragment of `at` is
+    /// active.
     pub(super) fn export_port(
         &mut self,
         key: &str,
@@ -413,7 +419,7 @@ impl<'u> Elab<'u> {
         })
     }
 
-    /// The flows between in-ports and out-ports, under the names of the blocks that they stand in.
+    /// Exports the local flows, qualified by the names of their blocks.
     fn locals(&mut self, scope: &mut Scope<'u>) -> Vec<PortShape> {
         let unit = scope.unit;
         let mut shapes = Vec::new();
@@ -505,7 +511,7 @@ impl<'u> Elab<'u> {
     }
 }
 
-/// The parameters of a unit, in the order in which [`elaborate`] takes arguments.
+/// Returns the parameters of a unit, in the order in which [`elaborate`] takes arguments.
 #[must_use]
 pub fn parameters(unit: &Unit) -> Vec<FlowId> {
     let is_param = |id: &FlowId| unit.flow(*id).role == FlowRole::Param;

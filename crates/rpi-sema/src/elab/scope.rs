@@ -1,4 +1,5 @@
-//! One inlined unit: its flows' wires, the fragments of its blocks, what has been elaborated of it.
+//! Scope of one inlined unit: the wires of its flows, the fragments of its blocks, and the expressions elaborated so
+//! far.
 
 use super::leaving::Leaving;
 use super::signal::Wire;
@@ -9,49 +10,49 @@ use crate::typed::{BlockId, ExprId, FlowId, Unit, UnitId};
 use rpi_diag::Span;
 use rpi_net::{FragmentId, PortRef};
 
-/// A unit being elaborated at one place.
+/// One instance of a unit during elaboration.
 pub(super) struct Scope<'u> {
     pub(super) unit: &'u Unit,
-    /// Its index; none for a constant expression outside of the table.
+    /// Index of the unit; none for a constant expression outside any unit.
     pub(super) id: Option<UnitId>,
-    /// What is known of each flow.
+    /// State of each flow.
     flows: Slots<State>,
-    /// Expressions that are used more than once are elaborated once.
+    /// Wires of the elaborated expressions. An expression that is used more than once is elaborated once.
     memo: Slots<Option<Wire>>,
-    /// The conditions under which those of them count that can fault.
+    /// Guards of the elaborated expressions that can fault.
     guards: Map<ExprId, PortRef>,
-    /// The fragment of each block, once it has been made.
+    /// Fragment of each block, once it exists.
     pub(super) fragments: Vec<Option<FragmentId>>,
-    /// Leaves that are read outside of blocks of which the fragments have not been made yet.
+    /// Leaves that are read outside blocks whose fragments do not exist yet.
     pub(super) leaving: Vec<Leaving>,
-    /// The fragment to which its clocks are relative: that of the block being elaborated.
+    /// Fragment to which clocks are relative: that of the block being elaborated.
     pub(super) base: FragmentId,
-    /// The fragments of clocks, by the fragment that they are relative to.
+    /// Fragments of clocks, by base fragment and clock.
     pub(super) clocks: Map<(FragmentId, ClockId), FragmentId>,
-    /// What decides inside of calls.
+    /// Aliases of the deciders inside calls.
     pub(super) inside: Map<(ExprId, u32), PortRef>,
-    /// Flows with clocks that are read outside of their blocks.
+    /// Sampled flows that are read outside their blocks, with their aliases.
     pub(super) outside: Vec<(FlowId, Wire)>,
-    /// Path of the calls that lead here, with a dot at its end.
+    /// Path of the calls that lead to the unit, with a trailing dot.
     pub(super) prefix: String,
-    /// The call that it is made for.
+    /// Span of the call that this instance belongs to.
     pub(super) called: Option<Span>,
 }
 
-/// How far a flow is.
+/// Progress of a flow.
 #[derive(Clone, Default, Debug)]
 pub(super) enum State {
-    /// Not met.
+    /// Not reached yet.
     #[default]
     Open,
-    /// Being worked out (constants only).
+    /// Being evaluated (constants only).
     Busy,
-    /// Known, or connected to aliases.
+    /// Wire of the flow, possibly of aliases.
     Known(Wire),
 }
 
 impl<'u> Scope<'u> {
-    /// For all of a unit.
+    /// Creates the scope of a whole unit.
     pub(super) fn new(unit: &'u Unit, id: UnitId) -> Self {
         Scope {
             id: Some(id),
@@ -62,7 +63,7 @@ impl<'u> Scope<'u> {
         }
     }
 
-    /// For a constant in a unit.
+    /// Creates the scope of a constant in a unit.
     pub(super) fn constant(unit: &'u Unit) -> Self {
         Scope {
             unit,
@@ -81,8 +82,8 @@ impl<'u> Scope<'u> {
         }
     }
 
-    /// The wire of an expression that has been elaborated. One that is shared (a name for a part of a pattern, a mode of a
-    /// contract) may have been needed elsewhere under another condition: then it counts there only.
+    /// Returns the wire of an elaborated expression. A shared expression (a part of a pattern, a mode of a contract)
+    /// may have been elaborated under another guard. The wire is then valid only under that guard.
     pub(super) fn recall(&self, id: ExprId, guard: Option<PortRef>) -> Option<Wire> {
         let known = self.memo.get(id.0)?.as_ref()?;
         let counts = self.guards.get(&id).is_none_or(|made| Some(*made) == guard);
@@ -93,7 +94,7 @@ impl<'u> Scope<'u> {
         self.memo.get(id.0).is_some_and(Option::is_some)
     }
 
-    /// `guard` is the condition under which it counts, none if it cannot fault.
+    /// Stores the wire of an expression. `guard` is the condition under which it is valid, none if it cannot fault.
     pub(super) fn remember(&mut self, id: ExprId, wire: &Wire, guard: Option<PortRef>) {
         *self.memo.slot(id.0) = Some(wire.clone());
         match guard {

@@ -1,4 +1,4 @@
-//! The end of an elaboration: aliases become what they stand for.
+//! End of an elaboration: resolves the aliases.
 
 use super::signal::{Signal, alias_of};
 use super::{At, Elab};
@@ -8,7 +8,7 @@ use rpi_net::{Activation, Driver, FragmentId, Input, PortRef, Restart};
 use smallvec::{SmallVec, smallvec};
 
 impl Elab<'_> {
-    /// Replaces all aliases.
+    /// Replaces all aliases by the signals to which they are bound.
     pub(super) fn settle(&mut self) {
         self.begin("constant");
         for alias in 0..self.aliases.len() {
@@ -37,8 +37,8 @@ impl Elab<'_> {
         self.settle_landmarks();
     }
 
-    /// Follows an alias to what it stands for. Aliases that stand for each other are a dependency cycle without any
-    /// primitive in it: one is put in, so that the net shows the cycle.
+    /// Follows a chain of aliases to its end. Aliases bound to each other are a dependency cycle without any node. A
+    /// copy node is inserted so that the net shows the cycle.
     fn settle_alias(&mut self, alias: usize) {
         let mut chain: SmallVec<[usize; 4]> = smallvec![alias];
         self.settling[alias] = true;
@@ -66,7 +66,7 @@ impl Elab<'_> {
         }
     }
 
-    /// A primitive that reads itself through the aliases.
+    /// Adds a copy node that reads itself through the aliases.
     fn knot(&mut self, alias: usize, port: PortRef) -> Signal {
         let scalar = self.alias_types[alias];
         match self.passing_on(port, scalar, FragmentId::ROOT, Span::NONE) {
@@ -77,7 +77,7 @@ impl Elab<'_> {
         }
     }
 
-    /// A flow that is never defined has been reported; a neutral value stands in.
+    /// Returns a neutral value for a flow that is never defined, which has been reported.
     fn loose(&mut self, alias: usize) -> Signal {
         Signal::Const(Value::neutral(self.alias_types[alias].into()))
     }
@@ -95,7 +95,7 @@ impl Elab<'_> {
         }
     }
 
-    /// What stands behind an alias; none if the port is no alias.
+    /// Returns the input that replaces an alias; none if the port is not an alias.
     fn settled_input(&mut self, port: PortRef, at: At, span: Span) -> Option<Input> {
         let alias = alias_of(port)?;
         let signal = self.aliases[alias].clone().unwrap_or(Signal::Absent);

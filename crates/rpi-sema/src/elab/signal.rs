@@ -1,4 +1,4 @@
-//! What one leaf of a value is connected to.
+//! Signals: sources of the leaves of values.
 
 use crate::typed::Leaf;
 use rpi_image::Type;
@@ -7,20 +7,20 @@ use smallvec::SmallVec;
 use std::ops::Deref;
 use std::rc::Rc;
 
-/// The source of one leaf.
+/// Source of one leaf.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) enum Signal {
-    /// A constant or text.
+    /// Constant or text.
     Const(Leaf),
-    /// An out-port, or an alias for one.
+    /// Output port of a node, or an alias.
     Port(PortRef),
-    /// An element of an array out-port, not taken out yet.
+    /// Element of an array output port, not extracted yet.
     Element(PortRef, u32),
-    /// Nothing in any cycle.
+    /// Absent in every cycle.
     Absent,
 }
 
-/// The leaves of a value: one, as most have, lies in place; many are shared.
+/// Leaves of a value. A single leaf, the most frequent case, is stored inline; several leaves are shared.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) enum Wire {
     One(Signal),
@@ -63,23 +63,23 @@ impl From<&[Signal]> for Wire {
     }
 }
 
-/// What in-ports of a primitive are given, and as what they take it; `None` where they are open.
+/// Types and wires of a primitive's inputs; `None` for an open input.
 pub(super) type Given = SmallVec<[Option<(Type, Wire)>; 2]>;
 
-/// A wire of one leaf.
+/// Returns a wire of one leaf.
 pub(super) fn single(signal: Signal) -> Wire {
     Wire::One(signal)
 }
 
-/// A wire without leaves.
+/// Returns a wire without leaves.
 pub(super) fn nothing() -> Wire {
     Wire::Many(Rc::from([]))
 }
 
-/// Aliases are numbered above all nodes.
+/// Bit that marks an alias. Aliases are numbered above all nodes.
 const ALIAS: u32 = 1 << 31;
 
-/// The port that stands for an alias until it is settled.
+/// Returns the port that represents an alias until it is resolved.
 pub(super) fn alias(index: usize) -> PortRef {
     PortRef {
         node: NodeId(ALIAS | u32::try_from(index).unwrap_or(u32::MAX)),
@@ -87,7 +87,7 @@ pub(super) fn alias(index: usize) -> PortRef {
     }
 }
 
-/// The alias that a port stands for.
+/// Returns the index of the alias that a port represents; none for a port of a node.
 pub(super) fn alias_of(port: PortRef) -> Option<usize> {
     (port.node.0 & ALIAS != 0).then_some((port.node.0 & !ALIAS) as usize)
 }

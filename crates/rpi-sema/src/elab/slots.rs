@@ -1,12 +1,13 @@
-//! What is known of each of many things: of all of them in a table, or only of those that are met.
+//! Values by index, stored in a full table or sparsely.
 
 use crate::hash::Map;
 
-/// A value for each number; those that were never set are `T::default()`.
+/// A value for each index. Values that were never set are `T::default()`.
 pub(super) enum Slots<T> {
-    /// For what looks at nearly all.
+    /// Full table, for a scope that visits most indices.
     All(Vec<T>),
-    /// For a constant, which looks at few: to make a table for each would take time by the square of the text.
+    /// Sparse map for a constant, which visits few indices. A full table for each constant would take quadratic time in
+    /// the length of the text.
     Few(Map<u32, T>),
 }
 

@@ -1,5 +1,5 @@
-//! Subranges are contracts: what is declared as one has a check where it is defined, given or put into a struct. The check
-//! passes the value on, so that whatever reads it comes behind the check.
+//! Run-time checks of subranges. A flow with a subrange type is checked where it is defined, passed as an argument or
+//! stored in a struct. The check passes the value on, so that all readers depend on the check.
 
 use super::scope::{Scope, State};
 use super::signal::{Signal, Wire, alias_of};
@@ -11,20 +11,20 @@ use rpi_diag::Span;
 use rpi_image::Value;
 use rpi_net::{Input, prim};
 
-/// A value that comes to a place with a declared type.
+/// Context of a check of a value against its declared type.
 #[derive(Clone, Copy)]
 struct Checked {
     at: At,
-    /// Where the value comes from, to be named when it does not fit.
+    /// Span of the value, for the error message.
     span: Span,
-    /// Where its type is declared.
+    /// Span of the declaration of the type.
     declared: Option<Span>,
-    /// Whether it is given from outside of the unit.
+    /// Whether the value is an argument from outside the unit.
     is_input: bool,
 }
 
 impl<'u> Elab<'u> {
-    /// The leaves of an equation's value, each within the subrange of what it defines.
+    /// Returns the leaves of an equation's value, each checked against the subrange of its target.
     pub(super) fn targets_in_subranges(
         &mut self,
         scope: &mut Scope<'u>,
@@ -62,7 +62,7 @@ impl<'u> Elab<'u> {
         signals.into()
     }
 
-    /// In-ports of a call, which the caller's values must fit.
+    /// Checks the inputs of a call. An error is reported at the caller's argument.
     pub(super) fn inputs_in_subranges(
         &mut self,
         scope: &mut Scope<'u>,
@@ -82,7 +82,7 @@ impl<'u> Elab<'u> {
         }
     }
 
-    /// An in-port that is set from outside of the program.
+    /// Checks an input that is set from outside the program.
     pub(super) fn outside_in_subranges(&mut self, scope: &mut Scope<'u>, flow: FlowId) {
         let span = scope.unit.flow(flow).span;
         self.input_in_subranges(scope, flow, true, At::ROOT, span);
@@ -117,7 +117,7 @@ impl<'u> Elab<'u> {
         *scope.state(flow) = State::Known(signals.into());
     }
 
-    /// A part of a struct that is made here, for the field of this number.
+    /// Checks a value for field number `field` of a struct that is built here.
     pub(super) fn field_in_subrange(
         &mut self,
         wire: Wire,
@@ -137,7 +137,7 @@ impl<'u> Elab<'u> {
         }
     }
 
-    /// Some leaves of a value that comes from outside, or with new parts of structs.
+    /// Checks some leaves of a value that comes from outside, or that has new parts of structs.
     pub(super) fn leaves_in_subranges(
         &mut self,
         wire: Wire,
@@ -168,13 +168,13 @@ impl<'u> Elab<'u> {
         }
     }
 
-    /// A signal behind its check; itself where it is known to lie in the range.
+    /// Returns a signal behind its check; the signal itself if it is known to lie in the range.
     fn in_subrange(&mut self, signal: &Signal, range: Subrange, how: Checked) -> Signal {
         match signal {
             Signal::Absent => return signal.clone(),
             Signal::Const(value) => match value.as_int() {
                 Some(value) if !range.contains(value) => {
-                    // In a call that is not always needed it is wrong all the same, whenever that is.
+                    // A wrong constant is an error even if the call around it is not always needed.
                     let is_sure = !how.is_input && how.at.guard == self.entered;
                     if how.at.guard.is_none() || is_sure {
                         self.certainly_outside(value, range, how);
@@ -193,7 +193,7 @@ impl<'u> Elab<'u> {
         self.simple(prim!("Rpi::IntWithin"), &inputs, how.at, how.span)
     }
 
-    /// Whether a signal comes from a check that suffices.
+    /// Returns whether a signal is the output of a check that implies this range.
     fn is_checked(&self, signal: &Signal, range: Subrange) -> bool {
         let Signal::Port(port) = signal else {
             return false;
@@ -226,7 +226,7 @@ impl<'u> Elab<'u> {
         });
     }
 
-    /// Where a leaf of a flow is there: in the fragment of its clock.
+    /// Returns the position of a leaf of a flow: in the fragment of its clock.
     fn place_of(&mut self, scope: &mut Scope<'u>, (flow, leaf): (FlowId, usize), at: At) -> At {
         match self.clocked_facts(scope) {
             Some(facts) => self.place(scope, facts.clocks.flow(flow).leaf(leaf), at),
@@ -234,7 +234,7 @@ impl<'u> Elab<'u> {
         }
     }
 
-    /// The fields that `x with .n = y` replaces.
+    /// Checks the fields that `x with .n = y` replaces.
     pub(super) fn replaced_in_subranges(
         &mut self,
         scope: &Scope<'u>,

@@ -1,5 +1,5 @@
-//! Exact time: constants are kept in seconds, for how long a tick is is known only with the core; in a net they are ticks. What is
-//! outside of a command sees seconds.
+//! Durations. Constants are kept in seconds, because the length of a cycle is known only to the core. In a net
+//! durations are numbers of ticks. Everything outside a command uses seconds.
 
 use super::scope::Scope;
 use super::signal::{Signal, Wire};
@@ -11,7 +11,7 @@ use rpi_image::Scalar;
 use rpi_net::prim;
 use rpi_prims::PrimId;
 
-/// Conversions between seconds and ticks.
+/// Primitives that convert between seconds and ticks.
 const CONVERSIONS: [PrimId; 3] = [
     prim!("Rpi::WholeTicks"),
     prim!("Rpi::TicksFromSeconds"),
@@ -19,7 +19,7 @@ const CONVERSIONS: [PrimId; 3] = [
 ];
 
 impl<'u> Elab<'u> {
-    /// The signals of a constant, leaf by leaf.
+    /// Returns the signals of a constant, leaf by leaf, with durations converted to ticks.
     pub(super) fn constants(&mut self, leaves: &[Leaf], ty: &Ty, at: At, span: Span) -> Wire {
         let mut times = Vec::new();
         if self.mode != Mode::Constant {
@@ -42,7 +42,8 @@ impl<'u> Elab<'u> {
         )
     }
 
-    /// What a primitive makes of times where a constant is worked out: a conversion is none there, and of ticks nothing is known.
+    /// Evaluates a primitive with durations in a constant. A conversion is the identity there, and other operations on
+    /// ticks have no value; none for primitives without durations.
     pub(super) fn constant_time(
         &mut self,
         scope: &mut Scope<'u>,
@@ -61,7 +62,7 @@ impl<'u> Elab<'u> {
         Some(self.fail(NotConstant::Flow(span)))
     }
 
-    /// A leaf that comes from outside, as the program has it.
+    /// Converts an external leaf to the unit of the program: durations from seconds to ticks.
     pub(super) fn in_ticks(&mut self, signal: Signal, ty: &Ty, at: At, span: Span) -> Signal {
         match ty {
             Ty::Duration => self.simple(prim!("Rpi::TicksFromSeconds"), &[signal], at, span),
@@ -69,7 +70,7 @@ impl<'u> Elab<'u> {
         }
     }
 
-    /// A leaf of the program as it is seen from outside.
+    /// Converts a leaf of the program to the unit used outside: durations from ticks to seconds.
     pub(super) fn in_seconds(&mut self, signal: &Signal, ty: &Ty, at: At, span: Span) -> Signal {
         let is_known = matches!(signal, Signal::Absent);
         match ty {
@@ -81,7 +82,7 @@ impl<'u> Elab<'u> {
         }
     }
 
-    /// The machine type of a leaf outside.
+    /// Returns the machine type of a leaf outside the program.
     pub(super) fn scalar_outside(ty: &Ty) -> Scalar {
         crate::check::outside_type(ty).1
     }

@@ -1,23 +1,23 @@
-//! Which leaves of a value can be absent.
+//! Absence of a value, leaf by leaf.
 
 use std::rc::Rc;
 
-/// For each leaf of a value whether it can be absent. Most values are alike in all leaves.
+/// For each leaf of a value, whether it can be absent. Most values are uniform.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum Absence {
-    /// All leaves alike.
+    /// The same for all leaves.
     All(bool),
-    /// Leaf by leaf.
+    /// One flag for each leaf; not all are equal.
     Each(Rc<[bool]>),
 }
 
 impl Absence {
     /// Present in all cycles.
     pub const NEVER: Absence = Absence::All(false);
-    /// Maybe absent as a whole.
+    /// Possibly absent in all leaves.
     pub const MAYBE: Absence = Absence::All(true);
 
-    /// Whether some leaf can be absent.
+    /// Returns whether any leaf can be absent.
     #[must_use]
     pub fn any(&self) -> bool {
         match self {
@@ -26,7 +26,7 @@ impl Absence {
         }
     }
 
-    /// Of one leaf.
+    /// Returns whether leaf `k` can be absent.
     #[must_use]
     pub fn leaf(&self, k: usize) -> bool {
         match self {
@@ -35,7 +35,7 @@ impl Absence {
         }
     }
 
-    /// Of the leaves from `at` on.
+    /// Returns the absence of `count` leaves starting at leaf `at`.
     #[must_use]
     pub fn part(&self, at: usize, count: usize) -> Absence {
         match self {
@@ -44,7 +44,7 @@ impl Absence {
         }
     }
 
-    /// Of leaves one after the other.
+    /// Creates the absence of a value from the flags of successive leaves.
     #[must_use]
     pub fn of(leaves: impl Iterator<Item = bool>) -> Absence {
         let leaves: Vec<bool> = leaves.collect();
@@ -55,7 +55,7 @@ impl Absence {
         }
     }
 
-    /// Leaf by leaf combined with another of so many leaves.
+    /// Combines two absences of `count` leaves each, leaf by leaf.
     #[must_use]
     pub fn with(
         &self,
@@ -69,7 +69,7 @@ impl Absence {
         }
     }
 
-    /// Absent in leaves for which this holds, too.
+    /// Returns this absence, with the leaves for which `absent` holds also possibly absent.
     #[must_use]
     pub fn or(&self, count: usize, absent: impl Fn(usize) -> bool) -> Absence {
         match self {
@@ -78,7 +78,7 @@ impl Absence {
         }
     }
 
-    /// With the leaves from `at` on replaced by so many of another.
+    /// Returns this absence with `of_part` leaves from `at` on replaced by those of `part`.
     #[must_use]
     pub fn replaced(&self, count: usize, at: usize, part: &Absence, of_part: usize) -> Absence {
         match (self, part) {

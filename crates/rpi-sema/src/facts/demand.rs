@@ -1,4 +1,4 @@
-//! What must be present: declared total flows, conditions, total in-ports.
+//! Checks for values that must be present: flows that are not optional, conditions, and inputs that are not optional.
 
 use super::Absence;
 use super::presence::Inference;
@@ -10,7 +10,7 @@ use crate::typed::{
 use rpi_diag::{Code, Finding, Span};
 use std::collections::BTreeSet;
 
-/// Reports what must be present and may not be.
+/// Reports values that must be present but may be absent.
 pub(super) fn demand(inference: &Inference<'_>, reads: &Reads<'_>, findings: &mut Vec<Finding>) {
     let faulty = flows(inference, reads, findings);
     conditions(inference, findings);
@@ -27,7 +27,7 @@ pub(super) fn demand(inference: &Inference<'_>, reads: &Reads<'_>, findings: &mu
     }
 }
 
-/// Whether an expression reads one of these flows.
+/// Returns whether an expression reads one of these flows.
 fn reads_one_of(inference: &Inference<'_>, id: ExprId, flows: &BTreeSet<FlowId>) -> bool {
     if flows.is_empty() {
         return false;
@@ -42,7 +42,7 @@ fn reads_one_of(inference: &Inference<'_>, id: ExprId, flows: &BTreeSet<FlowId>)
     false
 }
 
-/// Reports flows that may be absent and are declared to be there; gives these flows.
+/// Reports flows that are declared as present but may be absent, and returns them.
 fn flows(
     inference: &Inference<'_>,
     reads: &Reads<'_>,
@@ -82,7 +82,7 @@ fn flows(
     faulty
 }
 
-/// A flow that is always present, and states that do not define it.
+/// Returns an error for a flow that must be present but is not defined in some states.
 fn left_open(inference: &Inference<'_>, shared: &Shared) -> Option<Finding> {
     let unit = inference.unit;
     let (first, others) = shared.missing.split_first()?;
@@ -93,15 +93,18 @@ fn left_open(inference: &Inference<'_>, shared: &Shared) -> Option<Finding> {
     let first = unit.block(*first);
     let message = format!("`{}` is absent in the state `{}`", flow.name, first.name);
     let finding = Finding::new(Code::RPI3001, message)
-        .at(first.span, format!("does not define `{}`", flow.name))
+        .at(
+            first.span,
+            format!("this state does not define `{}`", flow.name),
+        )
         .also(
             flow.span,
             format!("`{}` is `{}`, which is always present", flow.name, flow.ty),
         );
     let others = others.iter().map(|block| unit.block(*block).span);
-    let finding = others.fold(finding, |f, state| f.also(state, "and neither does this"));
+    let finding = others.fold(finding, |f, state| f.also(state, "neither does this state"));
     Some(finding.help(format!(
-        "define it there, too (`{0} = last {0};` keeps it), or once beside the automaton: `{0} = ...;`",
+        "define it in every state (`{0} = last {0};` keeps it), or once outside the automaton: `{0} = ...;`",
         flow.name
     )))
 }
@@ -112,34 +115,38 @@ fn conditions(inference: &Inference<'_>, findings: &mut Vec<Finding>) {
         let when = block
             .when
             .iter()
-            .map(|id| (*id, "a fragment is active or not, never neither"));
+            .map(|id| (*id, "the condition of a fragment must be present"));
         let ends = block
             .ends
             .iter()
-            .map(|end| (end.condition, "a command ends or not, never neither"));
-        // In Lustre nothing is optional; a claim that is absent holds.
+            .map(|end| (end.condition, "the condition of an end must be present"));
+        // In Lustre nothing is optional, and an absent claim holds.
         let claims = block
             .claims
             .iter()
             .filter(|_| !unit.is_lustre)
-            .map(|claim| (claim.condition, "a claim holds or not, never neither"));
+            .map(|claim| (claim.condition, "a claim must be present"));
         let states = block
             .automata
             .iter()
             .flat_map(|automaton| &automaton.states);
         let transitions = states.flat_map(|state| state.unless.iter().chain(&state.until));
-        let transitions = transitions
-            .filter_map(|t| Some((t.condition?, "a transition is taken or not, never neither")));
+        let transitions = transitions.filter_map(|t| {
+            Some((
+                t.condition?,
+                "the condition of a transition must be present",
+            ))
+        });
         let decisions = when.chain(ends).chain(transitions);
         let decisions = decisions.map(|(id, why)| (id, why, "false"));
-        // What can not be asked is no fault.
+        // An absent claim counts as holding.
         let claims = claims.map(|(id, why)| (id, why, "true"));
         for (id, why, otherwise) in decisions.chain(claims) {
             if inference.seen_at(id, ClockId::BASE).any() {
                 let finding = inference.absent_here(id, ClockId::BASE, why);
                 findings.push(match block.when == Some(id) && reads_flow_of(unit, id, k) {
                     true => finding.help(
-                        "it can not be decided by what it computes itself; by what that was before it can: `pre F.x ?? 0`",
+                        "a fragment cannot depend on its own flows in the same cycle; use the previous value: `pre F.x ?? 0`",
                     ),
                     false => finding.fix(inference.coalesced(id, otherwise)),
                 });
@@ -148,7 +155,7 @@ fn conditions(inference: &Inference<'_>, findings: &mut Vec<Finding>) {
     }
 }
 
-/// Whether an expression reads what a block defines, in this very cycle.
+/// Returns whether an expression reads a flow of a block in the same cycle.
 fn reads_flow_of(unit: &Unit, id: ExprId, block: usize) -> bool {
     let mut parts = unit.parts(id);
     while let Some((id, expr)) = parts.next() {
@@ -162,7 +169,7 @@ fn reads_flow_of(unit: &Unit, id: ExprId, block: usize) -> bool {
 }
 
 impl Inference<'_> {
-    /// An argument as a call gives it for an in-port: one with a clock takes what has that clock.
+    /// Returns the absence of an argument for an input. An input with a clock takes values of that clock.
     pub(super) fn given(&self, call: ExprId, port: &Flow, arg: ExprId) -> Absence {
         match port.clock {
             Some(_) => self.of(arg),
@@ -180,7 +187,10 @@ fn arguments(inference: &Inference<'_>, id: ExprId, call: &Call, findings: &mut 
         };
         let total = flow.optional != Optional::Declared(true) && callee.kind != UnitKind::Function;
         if total && inference.given(id, flow, *arg).any() {
-            let text = format!("`{}` of `{}` is always present", flow.name, callee.name);
+            let text = format!(
+                "in-port `{}` of `{}` must be present",
+                flow.name, callee.name
+            );
             let finding = inference.absent_here(*arg, place, "absent in some cycles");
             findings.push(finding.also(flow.span, text));
         }
@@ -192,14 +202,14 @@ fn arguments(inference: &Inference<'_>, id: ExprId, call: &Call, findings: &mut 
     };
     for id in conditions.into_iter().flatten() {
         if inference.seen_at(id, place).any() {
-            let why = "an activation is true or false, never neither";
+            let why = "the condition of an activation must be present";
             let finding = inference.absent_here(id, place, why);
             findings.push(finding.fix(inference.coalesced(id, "false")));
         }
     }
 }
 
-/// `x ?? y` where x is always present.
+/// Warns about `x ?? y` if x is always present.
 fn needless(
     inference: &Inference<'_>,
     id: ExprId,
@@ -216,7 +226,8 @@ fn needless(
     }
 }
 
-/// What makes an expression absent: the first flow or operand that is.
+/// Finds the cause of an expression's absence: the first flow or operand that may be absent. Returns its span and a
+/// label.
 pub(super) fn origin(
     inference: &Inference<'_>,
     id: ExprId,
@@ -231,7 +242,7 @@ pub(super) fn origin(
         if let Some(own) = slower.filter(|_| at != id) {
             let path = clocks.beyond(own, reader);
             let clock = crate::clocks::print(inference.units, inference.facts, unit, path);
-            return Some((expr.span, format!("this is there only `{clock}`")));
+            return Some((expr.span, format!("this is present only `{clock}`")));
         }
         reader = clocks.place(at);
         match &expr.kind {
@@ -241,7 +252,7 @@ pub(super) fn origin(
                 return Some(match block.when {
                     Some(when) => (
                         unit.expr(when).span,
-                        format!("`{}` is absent while this does not hold", flow.name),
+                        format!("`{}` is absent while this is false", flow.name),
                     ),
                     None => (flow.span, format!("`{}` may be absent", flow.name)),
                 });
@@ -258,7 +269,7 @@ pub(super) fn origin(
             },
             _ => {}
         }
-        // These read what is sampled by its own clock.
+        // These operators read each operand on the operand's own clock.
         let is_exact = matches!(
             expr.kind,
             Kind::Current(_) | Kind::Merge { .. } | Kind::Part { .. } | Kind::Build(_)
@@ -277,15 +288,15 @@ pub(super) fn origin(
     }
 }
 
-/// What makes the result of a call absent.
+/// Cause of the absence of a call's result.
 enum CallOrigin {
-    /// The call itself.
+    /// The call itself, with a label.
     Here(String),
-    /// Something in what is called.
+    /// A place in the callee, with a label.
     At(Span, String),
-    /// An operand.
+    /// This operand.
     Operand(ExprId),
-    /// Any of the operands that is absent.
+    /// Any operand that may be absent.
     Operands,
 }
 
@@ -300,7 +311,7 @@ fn of_call(inference: &Inference<'_>, call: &Call) -> CallOrigin {
     let optional = outputs.find(|flow| flow.optional == Optional::Declared(true));
     match (before, optional) {
         (None, _) if is_activated => {
-            let text = "nothing is there before the first run: `initial default` would tell what";
+            let text = "absent before the first run: give a value with `initial default`";
             CallOrigin::Here(text.to_owned())
         }
         (Some(before), _) if inference.exprs[before.0 as usize].any() => {

@@ -1,19 +1,21 @@
-//! Fragments of which one is always active: what `??` makes of their flows is always present.
+//! Mutually exclusive fragments: `??` over flows of fragments of which one is always active is always present.
 
 use crate::typed::{BlockId, Each, ExprId, FlowId, Kind, Unit};
 
-/// Whether `a ?? b` is present in all cycles because two of the flows in it come from fragments with opposite
-/// activations, or from all states of an automaton. `total` says which flows are present whenever their block is active.
+/// Returns whether `a ?? b` is present in all cycles because its operands include flows from fragments with opposite
+/// activations, or from all states of an automaton. `total` returns whether a flow is present whenever its block is
+/// active.
 pub(super) fn covers(unit: &Unit, a: ExprId, b: ExprId, total: impl Fn(FlowId) -> bool) -> bool {
     let mut flows = Vec::new();
     sources(unit, a, &mut flows);
     sources(unit, b, &mut flows);
+    // An optional flow of an active fragment may be absent, so it guarantees nothing.
     flows.retain(|flow| total(*flow));
     let blocks: Vec<BlockId> = flows.iter().map(|flow| unit.flow(*flow).block).collect();
     opposite(unit, &blocks) || all_states(unit, &blocks)
 }
 
-/// The flows that a chain of `??` falls back on, or parts of them.
+/// Collects the flows, or bases of parts, in a chain of `??`.
 fn sources(unit: &Unit, id: ExprId, flows: &mut Vec<FlowId>) {
     match &unit.expr(id).kind {
         Kind::Flow(flow) => flows.push(*flow),
@@ -40,7 +42,8 @@ fn opposite(unit: &Unit, blocks: &[BlockId]) -> bool {
         .any(|(flow, holds)| conditions.contains(&(*flow, !holds)))
 }
 
-/// A flow or its negation.
+/// Returns the flow of an expression that is a flow or its negation, and its value if the expression has the value
+/// `holds`.
 pub(crate) fn literal(unit: &Unit, id: ExprId, holds: bool) -> Option<(u32, bool)> {
     match &unit.expr(id).kind {
         Kind::Flow(flow) => Some((flow.0, holds)),

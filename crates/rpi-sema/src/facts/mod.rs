@@ -1,7 +1,7 @@
-//! What is found out about typed units beside their types, in tables of its own: by which clocks flows tick, and which
-//! can be absent.
+//! Analyses of typed units whose results are stored beside the units: the clocks of flows, and which flows can be
+//! absent.
 //!
-//! A pass is a function from units to facts and findings; it must not change the units.
+//! A pass is a function from units to facts and diagnostics. It must not change the units.
 
 mod absence;
 mod demand;

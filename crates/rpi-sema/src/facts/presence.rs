@@ -1,7 +1,7 @@
-//! Which flows can be absent: the least solution of the rules of M4, unit by unit.
+//! Presence analysis: which flows can be absent. Computes the least solution of the rules of M4, unit by unit.
 //!
-//! A call is judged by its callee's declared ports alone; a function lifts, so that absent arguments make its results
-//! absent. What must be present and may not be is reported.
+//! A call is analysed by its callee's declared ports only. A function is lifted: absent arguments make its results
+//! absent. A value that must be present but may be absent is reported.
 
 use super::Absence;
 use super::reads::{Definition, Reads};
@@ -15,17 +15,17 @@ use rpi_diag::{Code, Finding, Fix, Severity, Span};
 use rpi_image::{Need, Presence, Role};
 use std::collections::BTreeSet;
 
-/// What is known of a unit.
+/// Results of the analyses of a unit.
 #[derive(Clone, Debug, Default)]
 pub struct Facts {
     exprs: Vec<Absence>,
     flows: Vec<Absence>,
-    /// By which clock its expressions and flows tick.
+    /// Clocks of the unit's expressions and flows.
     pub clocks: Clocks,
 }
 
 impl Facts {
-    /// Whether some leaf of an expression can be absent.
+    /// Returns which leaves of an expression can be absent.
     #[must_use]
     pub fn absence(&self, id: ExprId) -> Absence {
         self.exprs
@@ -34,7 +34,7 @@ impl Facts {
             .unwrap_or(Absence::NEVER)
     }
 
-    /// Whether some leaf of a flow can be absent.
+    /// Returns which leaves of a flow can be absent.
     #[must_use]
     pub fn flow(&self, id: FlowId) -> Absence {
         let known = self.flows.get(id.0 as usize);
@@ -42,7 +42,7 @@ impl Facts {
     }
 }
 
-/// Finds out which flows of the units that are `sound` can be absent, and what is wrong with that.
+/// Analyses the units that are `sound` and returns the facts of all units and the diagnostics.
 #[must_use]
 pub fn find(units: &[Unit], sound: &[bool]) -> (Vec<Facts>, Vec<Finding>) {
     let mut all: Vec<Vec<Finding>> = vec![Vec::new(); units.len()];
@@ -62,7 +62,7 @@ pub fn find(units: &[Unit], sound: &[bool]) -> (Vec<Facts>, Vec<Finding>) {
     (facts, findings)
 }
 
-/// What is found out about one unit, when that is known of those that it calls.
+/// Analyses one unit. `facts` must hold the results of its callees.
 fn of_unit(units: &[Unit], facts: &[Facts], unit: &Unit) -> (Facts, Vec<Finding>) {
     let (clocks, mut findings) = clocks::find(units, facts, unit);
     let apart = findings.clone();
@@ -89,11 +89,12 @@ fn of_unit(units: &[Unit], facts: &[Facts], unit: &Unit) -> (Facts, Vec<Finding>
     (found, findings)
 }
 
-/// The units, each behind those that it calls; of units that call each other one comes first.
+/// Returns the indices of the units, callees before callers. Recursion is broken at an arbitrary unit.
 fn callees_first(units: &[Unit]) -> Vec<usize> {
     let mut order = Vec::with_capacity(units.len());
     let mut met = vec![false; units.len()];
     for start in 0..units.len() {
+        // Iterative, because a chain of calls may be longer than the stack is deep.
         let mut open = vec![(start, false)];
         while let Some((at, is_left)) = open.pop() {
             if is_left {
@@ -111,13 +112,12 @@ fn callees_first(units: &[Unit]) -> Vec<usize> {
     order
 }
 
-/// Takes away what only follows from others, or from clocks that do not meet.
+/// Removes diagnostics that only follow from others, or from clock mismatches (`apart`).
 fn keep_causes(absent: &mut Vec<Finding>, apart: &[Finding]) {
-    // Of what has been told to have another clock, or has it in itself, it follows that it is absent in some cycles.
+    // An expression with a clock mismatch, in itself or inside, is absent in some cycles as a consequence.
     let told: BTreeSet<Span> = apart.iter().map(Finding::span).collect();
     absent.retain(|finding| !has_in_itself(&told, finding.span()));
-    // Where clocks do not meet, or something in it is absent that must not be, what is needlessly asked to be present can
-    // not be told.
+    // After a clock mismatch or an absence error inside the expression, a warning about a needless `??` may be wrong.
     let is_error = |finding: &Finding| finding.severity() == Severity::Error;
     let wrong = absent.iter().filter(|finding| is_error(finding));
     let wrong: BTreeSet<Span> = wrong.map(Finding::span).collect();
@@ -128,7 +128,7 @@ fn keep_causes(absent: &mut Vec<Finding>, apart: &[Finding]) {
     });
 }
 
-/// Whether a place is one of these, or contains one.
+/// Returns whether `place` equals or contains one of the spans.
 fn has_in_itself(places: &BTreeSet<Span>, place: Span) -> bool {
     let start = Span { end: 0, ..place };
     let within = places.range(start..).take_while(|at| at.file == place.file);
@@ -137,13 +137,13 @@ fn has_in_itself(places: &BTreeSet<Span>, place: Span) -> bool {
         .any(|at| at.end <= place.end)
 }
 
-/// The solution on its way.
+/// State of the presence inference for one unit.
 pub(super) struct Inference<'u> {
     pub(super) units: &'u [Unit],
     pub(super) facts: &'u [Facts],
     pub(super) unit: &'u Unit,
     pub(super) clocks: &'u Clocks,
-    /// Empty, as long as nothing is known to be absent.
+    /// Absence of each expression. Empty until `solve` starts.
     pub(super) exprs: Vec<Absence>,
     flows: Vec<Absence>,
     borders: Borders<'u>,
@@ -170,7 +170,7 @@ impl<'u> Inference<'u> {
         }
     }
 
-    /// Whether anything in the unit can make something absent at all.
+    /// Returns whether anything in the unit can be absent. Most units can skip the inference.
     fn has_source(&self) -> bool {
         let of_expr = |(id, kind): (ExprId, &Kind)| match kind {
             Kind::None | Kind::When { .. } | Kind::Merge { .. } | Kind::Current(_) => true,
@@ -201,6 +201,7 @@ impl<'u> Inference<'u> {
         for id in (0..).map(ExprId).take(self.unit.exprs.len()) {
             self.exprs[id.0 as usize] = self.expr(id, reads);
         }
+        // Absence only ever grows, so the iteration ends.
         let mut changed: Vec<FlowId> = Vec::new();
         for definition in &reads.definitions {
             self.define(definition, &mut changed);
@@ -224,7 +225,7 @@ impl<'u> Inference<'u> {
         }
     }
 
-    /// Gives inferred flows the absence of what defines them.
+    /// Updates the absence of inferred flows from their definition.
     fn define(&mut self, definition: &Definition<'_>, changed: &mut Vec<FlowId>) {
         match definition {
             Definition::Equation(block, equation) => {
@@ -280,8 +281,7 @@ impl<'u> Inference<'u> {
         }
     }
 
-    /// A flow as it is seen from a block: absent, too, while a fragment around it that is not around the reader is
-    /// inactive.
+    /// Returns the absence of a flow for a reader in a block. Outside a block that may be inactive it may be absent.
     fn flow(&self, flow: FlowId, reader: BlockId) -> Absence {
         match self.borders.is_outside(flow, reader) {
             true => Absence::MAYBE,
@@ -298,7 +298,7 @@ impl<'u> Inference<'u> {
         self.unit.expr(id).ty.leaf_count()
     }
 
-    /// A value for a reader of one clock: absent, too, where its own does not tick.
+    /// Returns the absence of a value for a reader on one clock: also absent where the value's own clock does not tick.
     pub(super) fn seen_at(&self, id: ExprId, reader: ClockId) -> Absence {
         let slower = |k: usize| self.clocks.is_slower(self.clocks.leaf(id, k), reader);
         match self.clocks.row(id).one() {
@@ -308,7 +308,7 @@ impl<'u> Inference<'u> {
         }
     }
 
-    /// An operand for an operator that works leaf by leaf.
+    /// Returns the absence of an operand of an elementwise operator.
     pub(super) fn seen_by(&self, reader: ExprId, operand: ExprId) -> Absence {
         match self.clocks.row(reader).one() {
             Some(clock) => self.seen_at(operand, clock),
@@ -320,7 +320,7 @@ impl<'u> Inference<'u> {
         }
     }
 
-    /// Leaves of a value as what an equation defines takes them.
+    /// Returns the absence of leaves of a value on the clock of the equation's target.
     pub(super) fn taken(
         &self,
         value: ExprId,
@@ -342,7 +342,7 @@ impl<'u> Inference<'u> {
         }
     }
 
-    /// Whether an operand of a strict operator or call may be absent.
+    /// Returns whether an operand of a strict operator or call may be absent.
     fn is_absent_in(&self, reader: ExprId, operand: ExprId) -> bool {
         self.seen_at(operand, self.clocks.place(reader)).any()
     }
@@ -393,7 +393,7 @@ impl<'u> Inference<'u> {
                 let any = cases.iter().any(|(_, id)| self.of(*id).any());
                 Absence::All(any || self.of(*on).any())
             }
-            // In Lustre the initialisation analysis sees to it that nobody reads it before its first tick.
+            // In Lustre the initialisation analysis rejects reads before the first tick.
             Kind::Current(operand) if self.unit.is_lustre => self.of(*operand),
             Kind::Current(_) => Absence::MAYBE,
         }
@@ -444,7 +444,7 @@ impl<'u> Inference<'u> {
         super::exclusive::covers(self.unit, a, b, total)
     }
 
-    /// For each out-port whether it can be absent.
+    /// Returns for each output of a primitive whether it can be absent.
     fn prim(&self, id: ExprId, call: &PrimCall) -> Vec<bool> {
         let desc = call.prim.desc();
         let connected: Vec<bool> = call
@@ -518,13 +518,13 @@ impl<'u> Inference<'u> {
         }
     }
 
-    /// A flow that no equation of the unit can make absent.
+    /// Returns whether a flow is defined by equations and declared as present.
     pub(super) fn must_be_present(&self, flow: FlowId) -> bool {
         let flow = self.unit.flow(flow);
         flow.role.has_equation() && flow.optional == Optional::Declared(false)
     }
 
-    /// `x ?? y` for `if present(x) then x else y`.
+    /// Returns a fix that rewrites `if present(x) then x else y` to `x ?? y`.
     fn present_or(&self, id: ExprId) -> Option<Fix> {
         let Kind::Each(Each::If, operands) = &self.unit.expr(id).kind else {
             return None;
@@ -550,16 +550,16 @@ impl<'u> Inference<'u> {
             end: no.start,
             ..whole
         };
-        let fix = Fix::maybe("write `x ?? y`")
+        let fix = Fix::maybe("replace it with `x ?? y`")
             .replace(before, "")
             .replace(between, " ?? ");
         same.then_some(fix)
     }
 
-    /// A value with another behind it for where it is absent.
+    /// Returns a fix that appends `?? otherwise` to an expression.
     pub(super) fn coalesced(&self, id: ExprId, otherwise: &str) -> Fix {
         let span = self.unit.expr(id).span;
-        let fix = Fix::maybe(format!("take `{otherwise}` where it is absent"));
+        let fix = Fix::maybe(format!("use `{otherwise}` while it is absent"));
         match self.unit.expr(id).kind {
             Kind::Flow(_) | Kind::Part { .. } | Kind::Call(_) => {
                 fix.insert_after(span, format!(" ?? {otherwise}"))
@@ -570,12 +570,12 @@ impl<'u> Inference<'u> {
         }
     }
 
-    /// Reports a value that may be absent where it must not, for a reader of a clock.
+    /// Reports a value that may be absent but must be present, for a reader on clock `reader`. `why` is the label.
     pub(super) fn absent_here(&self, id: ExprId, reader: ClockId, why: &str) -> Finding {
         let span = self.unit.expr(id).span;
         let message = match self.unit.expr(id).kind {
             Kind::Flow(flow) => format!("`{}` may be absent here", self.unit.flow(flow).name),
-            _ => "this may be absent".to_owned(),
+            _ => "this value may be absent".to_owned(),
         };
         let finding = Finding::new(Code::RPI3001, message).at(span, why.to_owned());
         let finding = match self.present_or(id) {
@@ -583,7 +583,7 @@ impl<'u> Inference<'u> {
                 .help("`x ?? y` is `x` where it is present, and `y` where it is not")
                 .fix(fix),
             None => {
-                finding.help("say what holds then: `x ?? other`, `hold(x, init)`, or `present(x)`")
+                finding.help("handle the absence: `x ?? other`, `hold(x, init)`, or `present(x)`")
             }
         };
         match super::demand::origin(self, id, reader) {

@@ -1,25 +1,25 @@
-//! Who reads what: operands to expressions, flows to the expressions that read them, values to what they define.
-//! A change is followed only to where it matters.
+//! Dependency lists for fixpoint iterations: from operands to expressions, from flows to their readers, from values to
+//! their definitions. A change is propagated only to its readers.
 
 use crate::typed::{BlockId, Equation, ExprId, FlowId, Kind, Shared, Unit};
 
-/// What gives flows their values.
+/// Definition of a flow.
 #[derive(Clone, Copy)]
 pub(crate) enum Definition<'u> {
-    /// An equation.
+    /// Equation, with its block.
     Equation(BlockId, &'u Equation),
-    /// States that define a flow together.
+    /// Flow defined by several states.
     Shared(&'u Shared),
 }
 
-/// The readers of a unit's expressions and flows.
+/// Readers of a unit's expressions and flows.
 pub(crate) struct Reads<'u> {
     pub(crate) definitions: Vec<Definition<'u>>,
-    /// The block in which each expression stands.
+    /// Block of each expression.
     pub(crate) blocks: Vec<BlockId>,
     parents: Lists,
     of_flows: Lists,
-    /// Definitions that an expression or (beyond all expressions) a flow is the value of.
+    /// Definitions by value: first for each expression, then for each flow.
     defines: Lists,
     exprs: usize,
 }
@@ -47,22 +47,22 @@ impl<'u> Reads<'u> {
         }
     }
 
-    /// The expressions of which an expression is an operand.
+    /// Returns the expressions that have this expression as an operand.
     pub(crate) fn parents(&self, id: ExprId) -> &[u32] {
         self.parents.of(id.0 as usize)
     }
 
-    /// The expressions that read a flow.
+    /// Returns the expressions that read a flow.
     pub(crate) fn of_flow(&self, flow: FlowId) -> &[u32] {
         self.of_flows.of(flow.0 as usize)
     }
 
-    /// The definitions whose value an expression is.
+    /// Returns the definitions whose value is this expression.
     pub(crate) fn defined_by(&self, id: ExprId) -> &[u32] {
         self.defines.of(id.0 as usize)
     }
 
-    /// The definitions of shared flows to which a state's flow contributes.
+    /// Returns the definitions of shared flows to which a state's flow contributes.
     pub(crate) fn shared_by(&self, flow: FlowId) -> &[u32] {
         self.defines.of(self.exprs + flow.0 as usize)
     }
@@ -100,7 +100,7 @@ fn defined(definitions: &[Definition<'_>], exprs: usize) -> Vec<(u32, u32)> {
     pairs
 }
 
-/// The block in which each expression stands.
+/// Returns the block of each expression.
 fn blocks(unit: &Unit) -> Vec<BlockId> {
     let mut blocks = vec![BlockId::ROOT; unit.exprs.len()];
     for (id, block) in (0..).map(BlockId).zip(&unit.blocks) {
@@ -113,7 +113,7 @@ fn blocks(unit: &Unit) -> Vec<BlockId> {
             .automata
             .iter()
             .flat_map(|automaton| &automaton.states);
-        // A strong condition is decided around the states, a weak one in its own.
+        // A strong condition is evaluated in the block around the states, a weak one in its state.
         let unless = states.clone().flat_map(|s| &s.unless);
         let unless = unless.filter_map(|t| t.condition);
         let until = states.flat_map(|s| {
@@ -141,14 +141,14 @@ fn mark(unit: &Unit, root: ExprId, block: BlockId, blocks: &mut [BlockId]) {
     }
 }
 
-/// Short lists, one after the other.
+/// Lists of indices, stored contiguously in one vector.
 struct Lists {
     first: Vec<u32>,
     items: Vec<u32>,
 }
 
 impl Lists {
-    /// Of pairs of list and item; the items of a list stay in their order.
+    /// Creates the lists from pairs of list and item. The items of a list keep their order.
     fn new(lists: usize, pairs: &[(u32, u32)]) -> Self {
         let mut first = vec![0; lists + 1];
         for (list, _) in pairs {

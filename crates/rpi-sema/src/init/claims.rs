@@ -1,5 +1,5 @@
-//! Claims in Lustre that read a `pre` before it has a value. Other tools take any value there, or none, so that it is told;
-//! a program that runs elsewhere is not refused for that.
+//! Warnings for claims in Lustre that read an uninitialised `pre`. Other tools take an arbitrary value there, so the
+//! program is accepted with a warning.
 
 use super::phases::PHASES;
 use super::rules::Rule;
@@ -8,7 +8,7 @@ use rpi_diag::{Code, Finding, Span};
 use rpi_net::{FragmentId, Net, NodeId, PortRef};
 use std::collections::BTreeSet;
 
-/// What such claims look at, each with the fragment of the claim.
+/// Returns the condition ports of Lustre claims, each with the fragment of the claim.
 pub(super) fn looked_at(net: &Net) -> impl Iterator<Item = (PortRef, FragmentId)> + '_ {
     let lenient = net.claims.iter().filter(|claim| !claim.is_strict);
     let keys: BTreeSet<&str> = lenient.map(|claim| claim.key.as_str()).collect();
@@ -17,7 +17,8 @@ pub(super) fn looked_at(net: &Net) -> impl Iterator<Item = (PortRef, FragmentId)
     exports.map(|export| (export.source, net.node(export.source.node).fragment))
 }
 
-/// One finding for each `pre` that claims read too early; what has been told of other readers is not told again.
+/// Returns one warning for each `pre` that claims read before it is initialised. `told` are the delays reported for
+/// other readers.
 pub(super) fn findings(
     net: &Net,
     rules: &[Rule],
@@ -45,9 +46,9 @@ pub(super) fn findings(
         )
         .at(
             place,
-            "0 or false is taken there; other tools take any value",
+            "RPI takes 0 or false there; other tools take an arbitrary value",
         )
-        .help("say what holds in the first cycle: `true -> pre x >= 0`")
+        .help("give a value for the first cycle: `true -> pre x >= 0`")
     };
     places.into_iter().map(finding).collect()
 }

@@ -1,7 +1,7 @@
-//! A first look, which most nets pass: in which phases might each flow have no value, whatever holds or does not hold?
+//! Fast pre-check of the initialisation, which most nets pass: in which phases each flow may be uninitialised.
 //!
-//! It knows no values and no conditions but `first`, so it sees more than there is, and never less than the
-//! [`Solution`](super::solve::Solution). Only what lies behind a delay is looked at, one byte for each node.
+//! It ignores values and all conditions except `first`, so it over-approximates the
+//! [`Solution`](super::solve::Solution). Only nodes behind a delay are visited, with one byte of state for each node.
 
 use super::phases::{PHASES, PhaseSet};
 use super::rules::{Rule, is_by_first};
@@ -9,7 +9,7 @@ use super::solve::before;
 use rpi_net::passes::Users;
 use rpi_net::{FragmentId, Input, Net, NodeId, PortRef};
 
-/// Whether one of these flows might be read before it has a value.
+/// Returns whether one of these flows may be read before it is initialised.
 pub(super) fn doubts(
     net: &Net,
     rules: &[Rule],
@@ -22,7 +22,7 @@ pub(super) fn doubts(
 struct Glance<'n> {
     net: &'n Net,
     rules: &'n [Rule],
-    /// For each node the phases in which it might have no value.
+    /// For each node, the phases in which it may be uninitialised.
     without: Vec<PhaseSet>,
 }
 
@@ -45,7 +45,7 @@ impl<'n> Glance<'n> {
         glance
     }
 
-    /// The phases grow with those of the in-ports, so that the least solution exists.
+    /// Computes the phases of a node from those of its inputs. The function is monotone, so the least solution exists.
     fn of_node(&self, id: NodeId) -> PhaseSet {
         let start = PhaseSet::only(0);
         let input = |k: usize| self.input(id, k);
@@ -70,7 +70,8 @@ impl<'n> Glance<'n> {
         }
     }
 
-    /// Any phase of another fragment may meet any of one's own.
+    /// Returns the phases of a port for a reader. Any phase of another fragment may coincide with any phase of the
+    /// reader's.
     fn seen(&self, port: PortRef, from: FragmentId) -> PhaseSet {
         let without = self.without[port.node.index()];
         match without.is_empty() || self.net.node(port.node).fragment == from {
@@ -80,7 +81,7 @@ impl<'n> Glance<'n> {
     }
 }
 
-/// The phases in which a delay gives what it was given in one of these.
+/// Returns the phases in which a delay outputs a value that it read in one of the given phases.
 fn later(given: PhaseSet) -> PhaseSet {
     let meets = |phase: &usize| before(*phase).iter().any(|phase| given.has(*phase));
     let phases = (0..PHASES).filter(meets).map(PhaseSet::only);

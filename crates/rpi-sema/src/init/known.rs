@@ -1,48 +1,49 @@
-//! What is known of a flow in one phase.
+//! Abstract value of a flow in one phase.
 
 use rpi_image::Value;
 use rpi_net::{FragmentId, NodeId, PortRef};
 use std::rc::Rc;
 
-/// A condition of the same cycle: a Boolean flow, and which value of it is meant.
+/// Condition in the same cycle: a Boolean flow and the value that it must have.
 pub(super) type Condition = (PortRef, bool);
 
-/// When a flow that may have no value has one.
+/// Cycles in which a possibly uninitialised flow has a value.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Unless {
-    /// In the cycles in which this holds.
+    /// Cycles in which the condition holds.
     Now(Condition),
-    /// From the first cycle of this fragment on in which this holds: what is kept there of a sampled flow.
+    /// Cycles of this fragment from the first one on in which the condition holds, for the held value of a sampled
+    /// flow.
     Since(Condition, FragmentId),
 }
 
-/// What is known of a flow: each case allows more than the one before.
+/// Abstract value of a flow, an element of a lattice. Later variants allow more.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) enum Known {
-    /// There is no such cycle.
+    /// No such cycle exists.
     Never,
     /// This value.
     Value(Rc<Value>),
-    /// One of these integers, ascending: the states that an automaton can be in.
+    /// One of these integers, in ascending order: possible states of an automaton.
     OneOf(Rc<[i64]>),
-    /// Some value.
+    /// An unknown value.
     Defined,
-    /// It may have none.
+    /// Possibly no value.
     Undefined {
-        /// The delay that has no value yet.
+        /// Delay that is not initialised yet.
         root: NodeId,
-        /// When it has one.
+        /// Cycles in which there is a value nevertheless.
         unless: Option<Unless>,
     },
 }
 
 impl Known {
-    /// A value that is known.
+    /// Creates the abstract value of a constant.
     pub(super) fn value(value: Value) -> Known {
         Known::Value(Rc::new(value))
     }
 
-    /// What holds if either may be the case.
+    /// Least upper bound of two abstract values.
     pub(super) fn join(&self, other: &Known) -> Known {
         use Known::{Defined, Never, Undefined};
         match (self, other) {
@@ -68,7 +69,7 @@ impl Known {
         }
     }
 
-    /// The integers of which it is one, if they are known.
+    /// Returns the possible integers, if they are known.
     fn integers(&self) -> Option<Rc<[i64]>> {
         match self {
             Known::Value(value) => value.as_int().map(|value| [value].into()),
@@ -77,7 +78,7 @@ impl Known {
         }
     }
 
-    /// Whether it is certainly another integer.
+    /// Returns whether the two values are certainly different integers.
     pub(super) fn differs(&self, other: &Known) -> bool {
         match (self.integers(), other.integers()) {
             (Some(a), Some(b)) => a.iter().all(|value| b.binary_search(value).is_err()),
@@ -85,7 +86,7 @@ impl Known {
         }
     }
 
-    /// The truth value, if it is known.
+    /// Returns the Boolean value, if it is known.
     pub(super) fn truth(&self) -> Option<bool> {
         match self {
             Known::Value(value) => value.as_bool(),
@@ -93,7 +94,7 @@ impl Known {
         }
     }
 
-    /// In a later cycle: what holds in this one says nothing about that one.
+    /// Returns the abstract value in a later cycle, where conditions of this cycle no longer apply.
     pub(super) fn later(self) -> Known {
         match self {
             Known::Undefined { root, .. } => Known::Undefined { root, unless: None },
@@ -101,7 +102,7 @@ impl Known {
         }
     }
 
-    /// In cycles of which it is known whether such a thing holds.
+    /// Returns `Defined` if `holds` is true for the condition under which this flow has a value.
     pub(super) fn given(self, holds: impl FnOnce(Unless) -> bool) -> Known {
         match self {
             Known::Undefined {
@@ -112,7 +113,7 @@ impl Known {
         }
     }
 
-    /// Defined at least where the condition holds.
+    /// Marks an uninitialised value as defined where the condition holds.
     pub(super) fn defined_where(self, condition: Option<Condition>) -> Known {
         match self {
             Known::Undefined { root, unless: None } => Known::Undefined {
@@ -123,7 +124,7 @@ impl Known {
         }
     }
 
-    /// Defined from then on where it is defined now, as what keeps its value in a fragment is.
+    /// Marks a value that is defined where a condition holds as defined from then on, because the fragment holds it.
     pub(super) fn kept(self, fragment: FragmentId) -> Known {
         match self {
             Known::Undefined {
@@ -138,7 +139,7 @@ impl Known {
     }
 }
 
-/// Integers that are told apart, at most: states of an automaton. Of more it is only known that there is a value.
+/// Greatest number of integers that are distinguished: states of an automaton. A larger set becomes `Defined`.
 const MOST: usize = 16;
 
 fn one_of(a: &[i64], b: &[i64]) -> Known {

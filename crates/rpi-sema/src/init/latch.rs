@@ -1,9 +1,9 @@
-//! What has held once: `seen = c or (false -> pre seen)` holds only if `c` holds or has held, so that what `current` keeps
-//! of a flow that is sampled by `c` has a value where `seen` holds.
+//! Latches: `seen = c or (false -> pre seen)` is true only if `c` is true or has been. Where `seen` is true, `current`
+//! of a flow sampled by `c` therefore has a value.
 //!
-//! That a condition holds only if another holds or has held is shown by induction over the cycles: for a delay it is what
-//! held one cycle before, for all else what holds in the same one. All must count the same cycles and begin anew in the
-//! same ones: the delays, what keeps the value and who reads it stand in one fragment.
+//! Whether a condition implies that another one holds or has held is proved by induction over the cycles: for a delay
+//! from the cycle before, for all other nodes from the same cycle. The delays, the held value and the reader must be in
+//! one fragment, so that they share the same cycles and restarts.
 
 use super::known::{Condition, Unless};
 use super::rules::Rule;
@@ -11,13 +11,13 @@ use super::solve::Solution;
 use rpi_image::{Role, State};
 use rpi_net::{FragmentId, Input, Net, NodeId, PortRef};
 
-/// So many steps are taken for one answer.
+/// Greatest number of proof steps for one query.
 const MAX_STEPS: usize = 1000;
 
-/// So deep equal conditions are compared.
+/// Greatest depth to which conditions are compared.
 const MAX_DEPTH: usize = 8;
 
-/// Whether something is known to hold for a reader where all these conditions do.
+/// Returns whether `unless` holds for a reader in cycles in which all given conditions hold.
 pub(super) fn holds(
     all: &Solution<'_>,
     reader: NodeId,
@@ -41,7 +41,7 @@ pub(super) fn holds(
     }
 }
 
-/// Whether a choice keeps its value where it takes no other: `c`, a value, and the delay of the choice itself.
+/// Returns whether a conditional holds its value otherwise: `c`, a value, and the delay of the conditional itself.
 pub(super) fn keeps_itself(net: &Net, choice: NodeId) -> bool {
     let node = net.node(choice);
     let otherwise = node.inputs.get(2).and_then(Input::port);
@@ -54,20 +54,20 @@ pub(super) fn keeps_itself(net: &Net, choice: NodeId) -> bool {
     })
 }
 
-/// Looks for what shows that a condition holds or has held.
+/// Proof search for a condition that implies that another one holds or has held.
 struct Search<'s, 'n> {
     all: &'s Solution<'n>,
     condition: Condition,
     fragment: FragmentId,
     steps: usize,
-    /// What is being shown: behind a delay it has been shown of all cycles before.
+    /// Conditions assumed by induction. Behind a delay they are proved for all earlier cycles.
     seen: Vec<Condition>,
-    /// What could not be shown while more was taken for granted than it is later.
+    /// Conditions that could not be proved, even under more assumptions than later queries have.
     failed: Vec<Condition>,
 }
 
 impl Search<'_, '_> {
-    /// Whether that a flow has this value shows it.
+    /// Returns whether a flow having this value proves the goal.
     fn shows(&mut self, (port, value): Condition) -> bool {
         let (port, value) = self.all.plain(port, value);
         if value == self.condition.1 && same(self.all.net(), port, self.condition.0, MAX_DEPTH) {
@@ -102,7 +102,7 @@ impl Search<'_, '_> {
             _ => false,
         };
         if !shown {
-            // What was shown meanwhile may rest upon this.
+            // Conditions proved since then may depend on this assumption, so they are dropped, too.
             self.seen.truncate(mark - 1);
             self.failed.push((port, value));
         }
@@ -112,14 +112,15 @@ impl Search<'_, '_> {
     fn input(&mut self, input: Option<&Input>, value: bool) -> bool {
         match input {
             Some(Input::Port(port)) => self.shows((*port, value)),
-            // What never is shows everything.
+            // A condition that never holds proves everything.
             Some(Input::Const(known)) => known.as_bool() == Some(!value),
             _ => false,
         }
     }
 }
 
-/// Whether two flows always have the same value: the same flow, or the same operation on the same operands.
+/// Returns whether two flows always have the same value: they are the same flow, or the same operation on the same
+/// operands.
 fn same(net: &Net, a: PortRef, b: PortRef, depth: usize) -> bool {
     if a == b {
         return true;

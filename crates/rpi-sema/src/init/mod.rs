@@ -1,21 +1,21 @@
-//! Initialisation (M5): a `pre` of a total flow has no value in the first cycle of its fragment, and nobody may read it
-//! there; `current` has none before the first tick of its operand's clock.
+//! Initialisation analysis (M5). A `pre` of a flow that is not optional has no value in the first cycle of its fragment
+//! and must not be read there. `current` has no value before the first tick of its operand's clock.
 //!
-//! The first cycles of each fragment are looked at one by one and all later ones together. In each, a flow has a value that
-//! is known, some value, or maybe none; what decides by itself (a condition that is known, `false and x`) hides what does
-//! not matter. What leaves the net, or decides what is active in it, must have a value in every cycle. The root, the delay
-//! itself, is named. After Colaço and Pouzet, Type-based initialization analysis of a synchronous dataflow language
-//! (2004), with values and conditions.
+//! The first cycles of each fragment are analysed one by one, and all later cycles together. In each phase a flow has a
+//! known value, an unknown value, or possibly no value. An operand that decides the result alone (a known condition,
+//! `false and x`) hides the others. Outputs of the net and activations must have a value in every cycle. The error
+//! names the root, the delay itself. After Colaço and Pouzet, Type-based initialization analysis of a synchronous
+//! dataflow language (2004), extended by values and conditions.
 //!
 //! | file | idea |
 //! |---|---|
-//! | `claims.rs` | claims of Lustre, which may read what is not there yet |
-//! | `glance.rs` | a first look, which most nets pass |
-//! | `known.rs` | what is known of a flow in one phase |
-//! | `latch.rs` | what has held once: `seen = c or (false -> pre seen)` |
-//! | `phases.rs` | the first cycles of a fragment, and those of the one around it |
-//! | `rules.rs` | what each kind of primitive makes of it |
-//! | `order.rs`, `solve.rs` | the least solution |
+//! | `claims.rs` | claims of Lustre, which may read uninitialised values |
+//! | `glance.rs` | fast pre-check, which most nets pass |
+//! | `known.rs` | abstract value of a flow in one phase |
+//! | `latch.rs` | latches: `seen = c or (false -> pre seen)` |
+//! | `phases.rs` | phases: the first cycles of a fragment and of its parent |
+//! | `rules.rs` | transfer function of each kind of primitive |
+//! | `order.rs`, `solve.rs` | least solution |
 
 mod claims;
 mod glance;
@@ -40,8 +40,7 @@ use rpi_prims::PrimId;
 use rules::{Rule, rule};
 use solve::Solution;
 
-/// What is read before it has a value. What the program claims to hold by its writer's or its caller's word may be
-/// relied upon.
+/// Reports flows that are read before they are initialised. Assertions and assumptions are taken as true.
 #[must_use]
 pub fn check(net: &Net) -> Vec<Finding> {
     let rules = rules::rules(net);
@@ -79,7 +78,7 @@ pub fn check(net: &Net) -> Vec<Finding> {
     findings
 }
 
-/// Parts of one value that have no first value for the same reason, by their places in the text, become that value.
+/// Merges uninitialised parts of one value with the same roots (by span) into a diagnostic for the whole value.
 fn whole(
     net: &Net,
     by_flow: Vec<(Option<&str>, Vec<NodeId>)>,
@@ -105,7 +104,7 @@ fn whole(
     all
 }
 
-/// How many bytes the names of two parts of one value have in common, as far as these are a name.
+/// Length in bytes of the common prefix of two names of parts, cut at a whole component.
 fn in_common(a: &str, b: &str) -> usize {
     let starts = a.match_indices(['[', '.']).map(|(at, _)| at);
     let starts = starts.chain([a.len()]);
@@ -113,7 +112,7 @@ fn in_common(a: &str, b: &str) -> usize {
     both.next_back().unwrap_or(a.len())
 }
 
-/// What was found out about a net without findings, in words.
+/// Summary of the analysis for a net without errors.
 #[must_use]
 pub fn told(net: &Net) -> String {
     let delays = net
@@ -126,12 +125,12 @@ pub fn told(net: &Net) -> String {
         .filter(|claim| claim.kind.is_given())
         .count();
     format!(
-        "{} delays, none read before it has a value; {claims} claims relied upon",
+        "{} delays, none read before it is initialised; {claims} claims taken as true",
         delays.count()
     )
 }
 
-/// What is claimed without being shown.
+/// Conditions of claims that are assumed without proof.
 fn given(net: &Net) -> impl Iterator<Item = PortRef> + '_ {
     let given = net.claims.iter().filter(|claim| claim.kind.is_given());
     let keys: Set<&str> = given.map(|claim| claim.key.as_str()).collect();
@@ -140,19 +139,19 @@ fn given(net: &Net) -> impl Iterator<Item = PortRef> + '_ {
     claimed.map(|export| export.source)
 }
 
-/// Looks at most so often for delays that others hide.
+/// Greatest number of rounds that search for delays hidden by others.
 const ROUNDS: usize = 20;
 
-/// Looks at so many nodes for them, each time it looks.
+/// Greatest number of nodes visited in all these rounds together.
 const NODES: usize = 400_000;
 
-/// The delays that are read too early, also those that only show when others have a first value.
+/// Returns the delays that are read before they are initialised, including those that others hide.
 fn all_roots(solution: &Solution<'_>, rules: &[Rule], claims: &[PortRef]) -> Vec<NodeId> {
     let net = solution.net();
     let mut rules = rules.to_vec();
     let mut roots = Vec::new();
     let mut more = read_early(solution);
-    // Of what is hidden in a large net the rest is told when the others have first values.
+    // In a large net, delays hidden by others are reported only after those have been fixed.
     let rounds = (NODES / net.nodes.len().max(1)).clamp(1, ROUNDS);
     for _ in 1..rounds {
         if more.is_empty() {
@@ -169,14 +168,14 @@ fn all_roots(solution: &Solution<'_>, rules: &[Rule], claims: &[PortRef]) -> Vec
     roots
 }
 
-/// Whether the flow of a node has no value in the first cycle of its fragment.
+/// Returns whether the flow of a node is uninitialised in the first cycle of its fragment.
 fn is_missing_at_once(solution: &Solution<'_>, node: NodeId) -> bool {
     let fragment = solution.net().node(node).fragment;
     let port = PortRef { node, port: 0 };
     root_of(&solution.seen(port, fragment, 0).known).is_some()
 }
 
-/// Whether the primitive ends the command where a condition does not hold.
+/// Returns whether the primitive ends the command if its condition is false.
 fn is_check(prim: PrimId) -> bool {
     [
         prim!("Rpi::Assert"),
@@ -186,14 +185,14 @@ fn is_check(prim: PrimId) -> bool {
     .contains(&prim)
 }
 
-/// What ends the command where it does not hold.
+/// Conditions whose failure ends the command.
 fn asserted(net: &Net) -> impl Iterator<Item = PortRef> + '_ {
     let checks = net.nodes.iter();
     let checks = checks.filter(|node| is_check(node.prim));
     checks.filter_map(|node| node.inputs.first().and_then(Input::port))
 }
 
-/// The delays that are read too early by what must have a value in every cycle, in the order of the net.
+/// Returns the delays that are read before they are initialised by sinks, in the order of the net.
 fn read_early(solution: &Solution<'_>) -> Vec<NodeId> {
     let net = solution.net();
     let mut roots = Vec::new();
@@ -214,12 +213,13 @@ fn root_of(known: &Known) -> Option<NodeId> {
     }
 }
 
-/// What leaves the net, or decides what is active in it, each with the fragment that looks at it.
+/// Sinks of the net, which must have a value in every cycle: outputs and activations, each with the fragment of the
+/// reader.
 fn sinks(net: &Net) -> impl Iterator<Item = (PortRef, FragmentId)> + '_ {
     let own = |port: PortRef| (port, net.node(port.node).fragment);
     let strict = net.claims.iter().filter(|claim| claim.is_strict);
     let strict: Set<&str> = strict.map(|claim| claim.key.as_str()).collect();
-    // What a claim reads is only looked at: whether it holds must be known.
+    // Flows exported for a claim are only observed. The condition of a strict claim must have a value.
     let counts = move |key: &str| !is_for_claim(key) || strict.contains(key);
     let exports = net.exports.iter().filter(move |export| counts(&export.key));
     let exports = exports.map(move |export| own(export.source));
@@ -242,7 +242,7 @@ fn sinks(net: &Net) -> impl Iterator<Item = (PortRef, FragmentId)> + '_ {
         let ports = node.inputs.iter().filter_map(Input::port);
         ports.map(move |port| (port, node.fragment))
     });
-    // What remembers a value that is not there yet may give it later.
+    // A primitive with state may store an uninitialised value and output it later.
     let remembers = |n: &&Node| {
         let state = n.desc().state;
         n.desc().role == Role::Compute && !matches!(state, State::None)
@@ -256,15 +256,15 @@ fn sinks(net: &Net) -> impl Iterator<Item = (PortRef, FragmentId)> + '_ {
     sinks.chain(remembering)
 }
 
-/// The delays without a first value in the equation of one flow.
+/// Creates the error for the uninitialised delays in the equation of one flow.
 fn finding(net: &Net, flow: Option<&str>, roots: &[NodeId], is_first: bool) -> Finding {
     let place = |root: &NodeId| net.node(*root).origin.span;
     if let [one] = roots
         && holds_itself(net, *one)
     {
-        return Finding::new(Code::RPI5002, "`current` is read before it has a value")
-            .at(place(one), "there may be cycles before the first tick")
-            .help("say that its clock ticks in the first cycle, or what it is until then: `if seen then current x else y`");
+        return Finding::new(Code::RPI5002, "`current` is read before it is initialised")
+            .at(place(one), "its clock may not tick in the first cycles")
+            .help("make its clock tick in the first cycle, or give a value until then: `if seen then current x else y`");
     }
     let what = flow.map_or_else(|| "a flow".to_owned(), |flow| format!("`{flow}`"));
     let message = match is_first {
@@ -273,17 +273,17 @@ fn finding(net: &Net, flow: Option<&str>, roots: &[NodeId], is_first: bool) -> F
     };
     let mut finding = Finding::new(Code::RPI5001, message);
     for root in roots {
-        finding = finding.at(place(root), "there is no cycle before the first");
+        finding = finding.at(place(root), "no previous value in the first cycle");
     }
     let mut places = roots.iter().map(place);
     if places.any(|place| net.outer_delays.contains(&place)) {
-        // Here `->` would start afresh together with the fragment or state.
-        return finding.help("say what it is then, outside of the fragment or state: `before = first -> last x;`, and read that");
+        // `->` inside would restart together with the fragment or state.
+        return finding.help("initialise it outside the fragment or state, `before = first -> last x;`, and read `before`");
     }
     let mut fix = Fix::maybe("give it a first value");
     for root in roots {
         let first = first_value(net, *root);
-        // The whole equation needs no parentheses.
+        // A delay that is the whole equation needs no parentheses.
         fix = match net.node(*root).origin.flow {
             Some(_) => fix.insert_before(place(root), first),
             None => {
@@ -292,11 +292,11 @@ fn finding(net: &Net, flow: Option<&str>, roots: &[NodeId], is_first: bool) -> F
             }
         };
     }
-    let finding = finding.help("say what it is then: `first -> pre x`");
+    let finding = finding.help("give an initial value: `first -> pre x`");
     finding.fix(fix)
 }
 
-/// The flow whose equation a node is part of: the first with a name that the way from it leads to.
+/// Returns the node of the flow whose equation contains `root`: the nearest named node that depends on it.
 fn reader(net: &Net, users: &Users, root: NodeId) -> Option<NodeId> {
     let mut seen = vec![root];
     let mut next = 0;
@@ -314,7 +314,8 @@ fn reader(net: &Net, users: &Users, root: NodeId) -> Option<NodeId> {
     None
 }
 
-/// Whether a delay keeps the value of a sampled flow: what it delays is that flow where it ticks, else the delay itself.
+/// Returns whether a delay holds the value of a sampled flow: its input is that flow where it ticks, else the delay
+/// itself.
 fn holds_itself(net: &Net, delay: NodeId) -> bool {
     let input = net.node(delay).inputs.first().and_then(Input::port);
     input.is_some_and(|port| {
@@ -327,7 +328,7 @@ fn holds_itself(net: &Net, delay: NodeId) -> bool {
     })
 }
 
-/// How the text of a first value begins.
+/// Returns the source text of an initial value with `->`.
 fn first_value(net: &Net, root: NodeId) -> &'static str {
     use rpi_image::{Scalar, Type};
     match net.node(root).outputs.first() {

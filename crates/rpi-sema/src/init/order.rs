@@ -1,4 +1,4 @@
-//! In which order nodes are looked at, and who has to be looked at again.
+//! Order of evaluation of the nodes in the fixpoint iteration, and the nodes to re-evaluate after a change.
 
 use crate::hash::Map;
 use rpi_image::Role;
@@ -7,7 +7,8 @@ use rpi_net::{Activation, FragmentId, Net, NodeId};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// For each node its place in an order in which sources come first, as far as there is one.
+/// Returns for each node its position in a topological order, sources first. Dependency cycles are cut at an arbitrary
+/// node.
 fn order(net: &Net) -> Vec<u32> {
     let mut place = vec![u32::MAX; net.nodes.len()];
     let mut next = 0;
@@ -23,7 +24,7 @@ fn order(net: &Net) -> Vec<u32> {
             if place[id.index()] != u32::MAX {
                 continue;
             }
-            // Any value keeps it from being met again while it is open.
+            // Any other value marks the node as visited while it is still open.
             place[id.index()] = 0;
             open.push((id, true));
             let node = net.node(id);
@@ -38,13 +39,13 @@ fn order(net: &Net) -> Vec<u32> {
     place
 }
 
-/// The nodes that have to be looked at, sources first: once all of them, then those that were added again.
+/// Worklist of nodes, sources first: all of them once, then those that were added again.
 pub(super) struct Agenda {
     order: Vec<u32>,
     sorted: Vec<NodeId>,
-    /// How many of the first round are done.
+    /// Number of nodes of the first round that have been returned.
     done: u32,
-    /// Whether a node waits in a later round.
+    /// For each position, whether its node is queued again.
     waits: Vec<bool>,
     again: BinaryHeap<Reverse<u32>>,
 }
@@ -76,7 +77,7 @@ impl Agenda {
         Some(self.sorted[place])
     }
 
-    /// Adds nodes; those whose turn is still to come need not be.
+    /// Queues nodes again. Nodes that the first round has still to return are not queued.
     pub(super) fn add(&mut self, nodes: &[NodeId]) {
         for id in nodes {
             let place = self.order[id.index()];
@@ -87,11 +88,11 @@ impl Agenda {
     }
 }
 
-/// Who reads a flow.
+/// Dependents of nodes and fragments.
 pub(super) struct Readers {
     of: Users,
     activated_by: Map<NodeId, Vec<FragmentId>>,
-    /// For each fragment the nodes that read across its border.
+    /// For each fragment, the nodes that read across its border.
     across: Vec<Vec<NodeId>>,
 }
 

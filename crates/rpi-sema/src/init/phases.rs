@@ -1,18 +1,18 @@
-//! The first cycles of a fragment one by one, all later ones together: its phases, and in which of its parent's phases a
-//! fragment can be in which of its own.
+//! Phases of a fragment: its first cycles one by one, and all later cycles together. Relates the phases of a fragment
+//! to those of its parent.
 
 use super::known::Known;
 
-/// Number of phases; the last stands for all cycles from there on.
+/// Number of phases. The last one stands for all cycles from there on.
 pub(super) const PHASES: usize = 5;
 
-/// The last phase.
+/// Last phase, which covers all later cycles.
 pub(super) const REST: usize = PHASES - 1;
 
-/// One thing for each phase.
+/// One value for each phase.
 pub(super) type PerPhase<T> = [T; PHASES];
 
-/// A set of phases, one bit for each.
+/// Set of phases, one bit each.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub(super) struct PhaseSet(u8);
 
@@ -29,7 +29,7 @@ impl PhaseSet {
         PhaseSet(self.0 & other.0)
     }
 
-    /// The phases that are not in it.
+    /// Returns the complement of the set.
     pub(super) fn others(self) -> PhaseSet {
         PhaseSet(!self.0 & ((1 << PHASES) - 1))
     }
@@ -51,7 +51,7 @@ impl PhaseSet {
     }
 }
 
-/// Whether a fragment is active.
+/// Activity of a fragment in one phase of its parent.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Active {
     Never,
@@ -60,7 +60,7 @@ pub(super) enum Active {
 }
 
 impl Active {
-    /// What an activation's condition tells.
+    /// Returns the activity that follows from the value of an activation's condition.
     pub(super) fn of(condition: &Known) -> Active {
         match (condition, condition.truth()) {
             (Known::Never, _) | (_, Some(false)) => Active::Never,
@@ -70,7 +70,7 @@ impl Active {
     }
 }
 
-/// For each phase of a fragment the phases of its parent in which it can be in it.
+/// Returns for each phase of a fragment the phases of its parent in which the fragment can be in that phase.
 pub(super) fn parents(
     active: &PerPhase<Active>,
     restarts: bool,
@@ -90,7 +90,8 @@ pub(super) fn parents(
     sets
 }
 
-/// The parent's phases for the phase after one with these; none: for the first.
+/// Returns the parent's phases for the phase that follows one with the phases `before`; for the first phase if `before`
+/// is none.
 fn next(active: &PerPhase<Active>, before: Option<PhaseSet>, endless: bool) -> PhaseSet {
     let mut set = PhaseSet::default();
     let (from, settled) = match before {

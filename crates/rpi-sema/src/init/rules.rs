@@ -1,4 +1,4 @@
-//! What each kind of primitive makes of what is known of its in-ports.
+//! Transfer functions: compute the abstract value of a node from those of its inputs.
 
 use super::known::Known;
 use super::latch;
@@ -11,34 +11,34 @@ use rpi_net::{Input, Net, Node, NodeId, PortRef};
 use rpi_prims::{PrimId, fold};
 use std::rc::Rc;
 
-/// How a primitive passes on what is known.
+/// Transfer function of a primitive.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Rule {
-    /// A delay of a total flow: it has no value in the first phase.
+    /// Delay of a flow that is not optional: uninitialised in the first phase.
     Delay,
-    /// A delay that starts absent, or whose lack of a first value has been told.
+    /// Delay that starts absent, or whose missing initial value has been reported.
     OptionalDelay,
     /// True in the first phase.
     First,
     /// `if inCondition then inTrue else inFalse`
     Choice,
-    /// Conjunction; true is neutral.
+    /// Conjunction; `true` is neutral.
     And,
-    /// Disjunction; false is neutral.
+    /// Disjunction; `false` is neutral.
     Or,
     /// Implication.
     Implies,
     /// Negation.
     Not,
-    /// The first of two that is present.
+    /// First present value of two.
     Coalesce,
-    /// A guard, then operands that do not matter where it is false.
+    /// A guard, then operands that are ignored where the guard is false.
     Guarded,
-    /// All in-ports matter.
+    /// All inputs are needed.
     Strict,
 }
 
-/// Rules by name, or by the end of the name.
+/// Rules by suffix of the primitive's name.
 const NAMED: &[(&str, Rule)] = &[
     ("Conditional", Rule::Choice),
     ("::BooleanAnd", Rule::And),
@@ -48,7 +48,7 @@ const NAMED: &[(&str, Rule)] = &[
     ("Coalesce", Rule::Coalesce),
 ];
 
-/// The rules of all nodes, looked up once per primitive.
+/// Returns the rules of all nodes. Each primitive is looked up once.
 pub(super) fn rules(net: &Net) -> Vec<Rule> {
     let mut known: Map<PrimId, Rule> = Map::default();
     let nodes = net.nodes.iter();
@@ -60,7 +60,7 @@ pub(super) fn rules(net: &Net) -> Vec<Rule> {
     nodes.map(rule).collect()
 }
 
-/// Whether a choice is one by `first` of its own fragment.
+/// Returns whether the condition of a conditional is `first` of its own fragment.
 pub(super) fn is_by_first(net: &Net, rules: &[Rule], choice: NodeId) -> bool {
     let node = net.node(choice);
     let condition = node.inputs.first().and_then(Input::port);
@@ -69,7 +69,7 @@ pub(super) fn is_by_first(net: &Net, rules: &[Rule], choice: NodeId) -> bool {
     })
 }
 
-/// The rule of a node's primitive.
+/// Returns the rule of a node's primitive.
 pub(super) fn rule(node: &Node) -> Rule {
     of_prim(node.desc())
 }
@@ -101,7 +101,7 @@ fn of_prim(desc: &PrimDesc) -> Rule {
     }
 }
 
-/// What is known of a node in a phase of its fragment.
+/// Computes the abstract value of a node in a phase of its fragment.
 pub(super) fn apply(rule: Rule, all: &Solution<'_>, id: NodeId, phase: usize) -> Known {
     let input = |k: usize| all.input(id, k, phase).known;
     match rule {
@@ -154,7 +154,7 @@ fn choice(all: &Solution<'_>, id: NodeId, phase: usize) -> Known {
         (Known::Undefined { .. }, _) => condition,
         _ => either(all, port, branch(1, true), branch(2, false)),
     };
-    // What it keeps is what it had in all cycles in which it was given a value.
+    // A held value is initialised if every value that it took over was initialised.
     let keeps = undefined(&known)
         && latch::keeps_itself(all.net(), id)
         && !(0..PHASES).any(|phase| undefined(&branch_in(1, true, phase)));
@@ -164,7 +164,8 @@ fn choice(all: &Solution<'_>, id: NodeId, phase: usize) -> Known {
     }
 }
 
-/// What a choice gives whose condition is not known: where one branch has a value, it has one if that is chosen.
+/// Returns the abstract value of a conditional with an unknown condition. If only one branch is initialised, the result
+/// is initialised where that branch is chosen.
 fn either(all: &Solution<'_>, condition: Option<PortRef>, yes: Known, no: Known) -> Known {
     let where_chosen = |value| condition.map(|port| all.plain(port, value));
     match (&yes, &no) {
@@ -175,8 +176,8 @@ fn either(all: &Solution<'_>, condition: Option<PortRef>, yes: Known, no: Known)
     }
 }
 
-/// A conjunction, or a disjunction if `absorbing`: an operand with the absorbing value decides by itself, and the other
-/// matters only where it does not.
+/// Computes a conjunction, or a disjunction if `absorbing`. An operand with the absorbing value decides the result, and
+/// the other operand is needed only where it does not decide.
 fn connective(
     absorbing: bool,
     all: &Solution<'_>,
@@ -187,7 +188,7 @@ fn connective(
     let inputs = &all.net().node(id).inputs;
     let operand = |k: usize| {
         let other = inputs[1 - k].port();
-        // The other operand has not decided: what that implies.
+        // Conditions implied by the other operand not deciding the result.
         let holds = |unless| {
             let implied = other.map_or_else(Vec::new, |port| {
                 all.implied(port, !absorbing ^ negated[1 - k])
@@ -222,7 +223,7 @@ fn coalesce(all: &Solution<'_>, id: NodeId, phase: usize) -> Known {
     }
 }
 
-/// Constants matter only where every flow has a value that is known, which is rare.
+/// Computes a strict operator. Constant inputs are read only if the values of all flows are known, which is rare.
 fn strict(all: &Solution<'_>, id: NodeId, phase: usize) -> Known {
     let inputs = &all.net().node(id).inputs;
     let input = |k: usize| all.input(id, k, phase).known;
@@ -246,7 +247,7 @@ fn strict(all: &Solution<'_>, id: NodeId, phase: usize) -> Known {
 fn strict_of(all: &Solution<'_>, id: NodeId, inputs: impl Iterator<Item = Known>) -> Known {
     let node = all.net().node(id);
     let mut worst = Known::Defined;
-    // The values are of interest only as long as every in-port has one.
+    // The values are needed only if every input has one.
     let (mut values, mut count) = (Vec::new(), 0);
     for known in inputs {
         match known {

@@ -1,4 +1,4 @@
-//! The least solution: what is known of every flow in every phase.
+//! Least solution: the abstract value of every flow in every phase.
 
 use super::known::{Condition, Known, Unless};
 use super::phases::{Active, PHASES, PerPhase, PhaseSet, REST, parents};
@@ -7,31 +7,31 @@ use crate::hash::Set;
 use rpi_image::Value;
 use rpi_net::{Activation, FragmentId, Input, Net, NodeId, PortRef, Restart};
 
-/// So many of the conditions that a condition implies are looked at.
+/// Greatest number of conditions implied by a condition that are visited.
 const MAX_IMPLIED: usize = 1000;
 
-/// What is known of a net's flows.
+/// Abstract values of a net's flows, during and after the iteration.
 pub(super) struct Solution<'n> {
     net: &'n Net,
     known: Vec<PerPhase<Known>>,
     rules: Vec<Rule>,
-    /// For each fragment when it is active, by its parent's phases.
+    /// For each fragment, its activity by phase of its parent.
     active: Vec<PerPhase<Active>>,
-    /// For each fragment and phase the phases of its parent.
+    /// For each phase of each fragment, the possible phases of its parent.
     parents: Vec<PerPhase<PhaseSet>>,
-    /// Values that the program claims flows to have.
+    /// Values that claims state: node, phase and value, sorted.
     claimed: Vec<(NodeId, usize, bool)>,
 }
 
-/// A flow as another fragment sees it.
+/// Abstract value of a flow for a reader in another fragment.
 pub(super) struct Seen {
     pub(super) known: Known,
-    /// Whether the fragments on the way to it are active.
+    /// Activity of the fragments between the reader and the flow.
     pub(super) there: Active,
 }
 
 impl<'n> Solution<'n> {
-    /// Solves the rules of all nodes.
+    /// Solves the equations of all nodes. Conditions in `claims` are taken as true.
     pub(super) fn new(net: &'n Net, rules: Vec<Rule>, claims: &[PortRef]) -> Self {
         let mut solution = Solution {
             net,
@@ -58,6 +58,7 @@ impl<'n> Solution<'n> {
         while let Some(id) = open.next() {
             let next: PerPhase<Known> = std::array::from_fn(|phase| {
                 let known = self.of_node(id, phase);
+                // Joined with the old value: a value never descends in the lattice, so the iteration ends.
                 self.known[id.index()][phase].join(&self.forced(id, phase, known))
             });
             if next == self.known[id.index()] {
@@ -73,7 +74,7 @@ impl<'n> Solution<'n> {
         }
     }
 
-    /// Works out when a fragment is active. True if that has changed.
+    /// Updates the activity of a fragment and returns whether it has changed.
     fn activate(&mut self, fragment: FragmentId) -> bool {
         let content = self.net.fragment(fragment);
         let Some(parent) = content.parent else {
@@ -103,7 +104,7 @@ impl<'n> Solution<'n> {
         self.net
     }
 
-    /// An in-port's source as a node's fragment sees it in one of its phases.
+    /// Returns the abstract value of a node's input in a phase of the node's fragment.
     pub(super) fn input(&self, id: NodeId, input: usize, phase: usize) -> Seen {
         let node = self.net.node(id);
         match &node.inputs[input] {
@@ -116,7 +117,7 @@ impl<'n> Solution<'n> {
         }
     }
 
-    /// A flow as it is seen from a fragment in one of its phases.
+    /// Returns the abstract value of a flow for a reader in a phase of fragment `from`.
     pub(super) fn seen(&self, port: PortRef, from: FragmentId, phase: usize) -> Seen {
         let source = self.net.node(port.node).fragment;
         let known = &self.known[port.node.index()];
@@ -133,7 +134,7 @@ impl<'n> Solution<'n> {
             false => {
                 let all = phases.phases().map(|phase| &known[phase]);
                 let known = all.fold(Known::Never, |all, known| all.join(known));
-                // Who reads is active: what lets it be active holds.
+                // The reader is active, so the conditions of its activation hold.
                 let holds = |unless| match unless {
                     Unless::Now(one) => self.activations(from, common).contains(&one),
                     Unless::Since(..) => false,
@@ -146,7 +147,7 @@ impl<'n> Solution<'n> {
         }
     }
 
-    /// All that must hold for a fragment to be active, up to one around it.
+    /// Returns the conditions that hold while fragment `from` is active, up to the enclosing fragment `around`.
     fn activations(&self, from: FragmentId, around: FragmentId) -> Vec<Condition> {
         let way = self.net.enclosing(from).take_while(|at| *at != around);
         let conditions = way.filter_map(|at| match self.net.fragment(at).activation {
@@ -156,7 +157,7 @@ impl<'n> Solution<'n> {
         conditions.flatten().collect()
     }
 
-    /// The innermost fragment around both, and the phases in which it can be.
+    /// Returns the innermost fragment that encloses both, and its possible phases.
     fn outwards(&self, from: FragmentId, phase: usize, to: FragmentId) -> (FragmentId, PhaseSet) {
         let mut at = from;
         let mut phases = PhaseSet::only(phase);
@@ -172,7 +173,8 @@ impl<'n> Solution<'n> {
         (at, phases)
     }
 
-    /// The phases in which an inner fragment can be while an outer one is in one of these, and whether it is active then.
+    /// Returns the possible phases of an inner fragment while an outer one is in one of `phases`, and the activity on
+    /// the way.
     fn inwards(&self, from: FragmentId, phases: PhaseSet, to: FragmentId) -> (PhaseSet, Active) {
         let way: Vec<FragmentId> = self.net.enclosing(to).take_while(|f| *f != from).collect();
         let (mut phases, mut there) = (phases, Active::Always);
@@ -191,7 +193,7 @@ impl<'n> Solution<'n> {
         (phases, there)
     }
 
-    /// The condition under which the fragment of a flow is active, if it is a child of the reader's.
+    /// Returns the condition under which the fragment of a flow is active, if it is a child of the reader's fragment.
     pub(super) fn condition_of(&self, port: PortRef, reader: FragmentId) -> Option<Condition> {
         let fragment = self.net.fragment(self.net.node(port.node).fragment);
         match fragment.activation {
@@ -202,12 +204,12 @@ impl<'n> Solution<'n> {
         }
     }
 
-    /// The rule of a node.
+    /// Returns the rule of a node.
     pub(super) fn rule_of(&self, id: NodeId) -> Rule {
         self.rules[id.index()]
     }
 
-    /// A condition without the negations around it.
+    /// Strips the negations from a condition.
     pub(super) fn plain(&self, port: PortRef, value: bool) -> Condition {
         let (mut port, mut value) = (port, value);
         while self.rules[port.node.index()] == Rule::Not {
@@ -219,7 +221,7 @@ impl<'n> Solution<'n> {
         (port, value)
     }
 
-    /// All that must hold if a condition has this value.
+    /// Returns the conditions that hold if a condition has this value, including itself.
     pub(super) fn implied(&self, port: PortRef, value: bool) -> Vec<Condition> {
         let (mut all, mut open) = (Vec::new(), vec![self.plain(port, value)]);
         let mut seen = Set::default();
@@ -238,7 +240,7 @@ impl<'n> Solution<'n> {
         all
     }
 
-    /// Takes over what a claim says of flows of its own fragment.
+    /// Records the values that a claim states for flows of its own fragment.
     fn claim(&mut self, claim: PortRef) {
         for phase in 0..PHASES {
             let mut open = vec![(claim, true)];
@@ -291,7 +293,7 @@ impl Seen {
     }
 }
 
-/// The phases whose end a delay passes on in a phase.
+/// Returns the phases whose last value a delay outputs in a phase.
 pub(super) fn before(phase: usize) -> &'static [usize] {
     const BEFORE: PerPhase<&[usize]> = [&[], &[0], &[1], &[2], &[REST - 1, REST]];
     BEFORE[phase]

@@ -1,7 +1,7 @@
-//! Local flows that nothing reads.
+//! Unused local flows.
 //!
-//! A net tells of those that it computes. What a constant comes to leaves nothing in a net, and of the results of one call
-//! it knows only that the call is needed.
+//! Flows of a net are checked on the net. Flows with a constant value leave no node in a net, and for a call with
+//! several results the net only shows that the call is needed. These are checked here.
 
 use crate::hash::Set;
 use crate::program::Program;
@@ -10,8 +10,8 @@ use rpi_diag::{Finding, Span};
 use rpi_net::passes::live::{acts, unused};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A warning for each local flow that nothing reads, in any instance of what it stands in. A name that begins with `_` is
-/// meant so.
+/// Returns a warning for each local flow that nothing reads, in any instance of its unit. A leading `_` in the name
+/// suppresses the warning.
 pub(super) fn unread(program: &Program<'_>, units: &[Unit]) -> Vec<Finding> {
     let decls = program.root().decls.iter();
     let own: Set<Span> = decls.map(|id| program.decl(*id).span).collect();
@@ -38,7 +38,7 @@ pub(super) fn unread(program: &Program<'_>, units: &[Unit]) -> Vec<Finding> {
     found.into_values().collect()
 }
 
-/// Where the local flows are declared that are read, or that are not, in some instance.
+/// Spans of the local flows that are read, or not read, in some instance.
 fn places<'u>(units: &'u [(&Unit, Vec<bool>)], wanted: bool) -> impl Iterator<Item = Span> + 'u {
     units.iter().flat_map(move |(unit, read)| {
         let flows = unit.flows.iter().zip(read);
@@ -51,7 +51,7 @@ fn is_local(flow: &Flow) -> bool {
     flow.role == FlowRole::Local && !flow.name.starts_with('_')
 }
 
-/// For each flow whether something reads it: an expression, a clock, or what is around a state.
+/// Returns for each flow whether an expression, a clock or an automaton reads it.
 fn read(unit: &Unit) -> Vec<bool> {
     let mut read = vec![false; unit.flows.len()];
     for expr in &unit.exprs {
@@ -74,7 +74,7 @@ fn read(unit: &Unit) -> Vec<bool> {
     read
 }
 
-/// The flows that an equation defines.
+/// Returns the flows that an equation defines, each with the equation.
 fn defined<'u>(
     unit: &'u Unit,
     equation: &'u Equation,
@@ -86,7 +86,7 @@ fn defined<'u>(
     })
 }
 
-/// Whether the one value of an equation may be there for what it does: what is not is told of the net.
+/// Returns whether the only value of an equation may have a side effect. Other such values are checked on the net.
 fn may_act(unit: &Unit, equation: &Equation) -> bool {
     let is_effect = |kind: &Kind| match kind {
         Kind::Call(_) => true,
@@ -106,7 +106,7 @@ fn may_act(unit: &Unit, equation: &Equation) -> bool {
     false
 }
 
-/// One of several results is told where it gets its name, for the others may be needed.
+/// Creates the warning. For one of several results it points at the name, because the other results may be needed.
 fn finding(unit: &Unit, flow: &Flow, equation: &Equation) -> Finding {
     let at = match &equation.targets[..] {
         [_] => unit.expr(equation.value).span,

@@ -1,13 +1,14 @@
-//! What a program says and nothing needs.
+//! Warnings about unused parts of a program.
 //!
-//! This is asked of a program without faults: what has one may have been meant to need it.
+//! Runs only on programs without errors. An erroneous part of a program may have been meant to use the part in
+//! question.
 //!
 //! | file | idea |
 //! |---|---|
-//! | `flows.rs` | local flows that nothing reads |
-//! | `params.rs` | parameters and in-ports that nothing reads |
-//! | `states.rs` | states of automata to which nothing leads |
-//! | `steps.rs` | steps of tasks to which nothing leads |
+//! | `flows.rs` | unused local flows |
+//! | `params.rs` | unused parameters and in-ports |
+//! | `states.rs` | unreachable states of automata |
+//! | `steps.rs` | unreachable steps of tasks |
 
 mod flows;
 mod params;
@@ -20,11 +21,11 @@ use rpi_diag::Finding;
 use rpi_syntax::Mode;
 use rpi_syntax::ast::{Visit, Walk};
 
-/// Warnings about what the first module says and nothing in it needs.
+/// Returns warnings about unused parts of the first module.
 #[must_use]
 pub fn needless(program: &Program<'_>, units: &[Unit]) -> Vec<Finding> {
     let mut findings: Vec<Finding> = program.needless_uses().collect();
-    // In Lustre ports are mostly those of something else: a tool wrote them, or another model has them.
+    // Ports of Lustre programs are often fixed by another tool or model, so they are not checked.
     if program.root().mode == Mode::Rpi {
         findings.extend(flows::unread(program, units));
         for id in &program.root().decls {
@@ -39,7 +40,7 @@ pub fn needless(program: &Program<'_>, units: &[Unit]) -> Vec<Finding> {
     findings
 }
 
-/// Shows all of a declaration that can hold anything needless.
+/// Visits the parts of a declaration that can contain unused items.
 fn walk<'a>(kind: DeclKind<'a>, visitor: &mut dyn Visit<'a>) {
     let mut walk = Walk::new(visitor);
     match kind {
@@ -53,8 +54,8 @@ fn walk<'a>(kind: DeclKind<'a>, visitor: &mut dyn Visit<'a>) {
     }
 }
 
-/// Of things that lead to one another those to which nothing leads from the `start`, but not what only follows them. Things
-/// that do not count are passed over.
+/// Returns the unreachable vertices of a graph that are not only successors of other unreachable vertices. `start` is
+/// the entry vertex. Vertices for which `counts` is false are ignored.
 fn heads(leads: &[&[usize]], start: Option<usize>, counts: impl Fn(usize) -> bool) -> Vec<usize> {
     let reached = reached_from(leads, start.into_iter().collect());
     let all = 0..leads.len();
@@ -68,7 +69,7 @@ fn heads(leads: &[&[usize]], start: Option<usize>, counts: impl Fn(usize) -> boo
     let mut told: Vec<usize> = left.iter().copied().filter(|at| !led[*at]).collect();
     let follow = reached_from(leads, told.clone());
     left.retain(|at| !follow[*at]);
-    // Those left lead to one another in turn.
+    // The remaining vertices lie on cycles; one vertex of each cycle is enough.
     while let Some(first) = left.first().copied() {
         told.push(first);
         let follow = reached_from(leads, vec![first]);
@@ -77,7 +78,7 @@ fn heads(leads: &[&[usize]], start: Option<usize>, counts: impl Fn(usize) -> boo
     told
 }
 
-/// For each thing whether it is one of these or comes after one.
+/// Returns for each vertex whether it is in `open` or reachable from it.
 fn reached_from(leads: &[&[usize]], mut open: Vec<usize>) -> Vec<bool> {
     let mut reached = vec![false; leads.len()];
     while let Some(at) = open.pop() {

@@ -1,4 +1,4 @@
-//! Parameters and in-ports that nothing reads.
+//! Unused parameters and in-ports.
 
 use super::walk;
 use crate::check::params_of;
@@ -7,10 +7,10 @@ use rpi_diag::{Code, Finding, Fix};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{Ident, NodeDef, NodeKind, Signature, VarDecl, Visit};
 
-/// A parameter or in-port, and what it is called in messages.
+/// Name of a parameter or in-port, and the word for its kind in messages.
 type Declared<'a> = (&'a Ident, &'static str);
 
-/// Those that nothing was seen to read.
+/// Parameters that no visited expression reads.
 struct Unread<'a>(Vec<Declared<'a>>);
 
 impl<'a> Visit<'a> for Unread<'a> {
@@ -19,7 +19,8 @@ impl<'a> Visit<'a> for Unread<'a> {
     }
 }
 
-/// A warning for each parameter and in-port that a declaration does not read. A name that begins with `_` is meant so.
+/// Returns a warning for each parameter and in-port that a declaration does not read. A leading `_` in the name
+/// suppresses the warning.
 pub(super) fn unread(decl: &Decl<'_>) -> Vec<Finding> {
     let mut left = parameters(decl.kind);
     left.retain(|(name, _)| !name.name.starts_with('_'));
@@ -32,8 +33,8 @@ pub(super) fn unread(decl: &Decl<'_>) -> Vec<Finding> {
         .collect()
 }
 
-/// What a declaration takes and could read. The ports of what is defined outside, of contracts and of other names for
-/// something are those of something else.
+/// Returns the parameters and in-ports that a declaration could read. External declarations, contracts and aliases do
+/// not choose their own ports.
 fn parameters(kind: DeclKind<'_>) -> Vec<Declared<'_>> {
     let vars: [(&[VarDecl], &'static str); 2] = match kind {
         DeclKind::Node(node) if node.kind == NodeKind::Contract => return Vec::new(),
@@ -70,7 +71,7 @@ fn finding(of: &Name, name: &Ident, what: &str) -> Finding {
         Code::RPI1017,
         format!("`{of}` does not use its {what} `{name}`"),
     )
-    .at(*span, "nothing reads it")
-    .help(format!("delete it, or call it `_{name}` if it shall stay"))
-    .fix(Fix::maybe("mark it as meant").insert_before(*span, "_"))
+    .at(*span, "never read")
+    .help(format!("delete it, or rename it to `_{name}` to keep it"))
+    .fix(Fix::maybe("mark it as intentionally unused").insert_before(*span, "_"))
 }

@@ -1,4 +1,4 @@
-//! States of automata to which nothing leads.
+//! Unreachable states of automata.
 
 use super::{heads, walk};
 use crate::hash::Map;
@@ -6,7 +6,7 @@ use crate::program::DeclKind;
 use rpi_diag::{Code, Finding};
 use rpi_syntax::ast::{Automaton, State, Visit};
 
-/// What is found in the automata of a declaration.
+/// Warnings about the automata of a declaration.
 struct Unreached(Vec<Finding>);
 
 impl<'a> Visit<'a> for Unreached {
@@ -19,7 +19,7 @@ impl<'a> Visit<'a> for Unreached {
     }
 }
 
-/// A warning for each state to which nothing leads. What only follows such a state is not told, too.
+/// Returns a warning for each unreachable state. A state that only follows another unreachable state is not reported.
 pub(super) fn unreached(kind: DeclKind<'_>) -> Vec<Finding> {
     let mut found = Unreached(Vec::new());
     walk(kind, &mut found);
@@ -50,11 +50,11 @@ fn finding(state: &State) -> Finding {
     let name = &state.name;
     Finding::new(
         Code::RPI3103,
-        format!("nothing leads to the state `{}`", name.name),
+        format!("state `{}` is unreachable", name.name),
     )
-    .at(name.span, "this is never active")
+    .at(name.span, "this state is never active")
     .help(format!(
-        "let a transition lead to it (`then {}`), or delete it",
+        "add a transition to it (`then {}`), or delete it",
         name.name
     ))
 }

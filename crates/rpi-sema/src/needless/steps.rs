@@ -1,4 +1,4 @@
-//! Steps of tasks to which nothing leads.
+//! Unreachable steps of tasks.
 
 use super::heads;
 use crate::program::{DeclKind, Lookup, ModuleId, Program};
@@ -6,7 +6,7 @@ use rpi_diag::{Code, Finding, Span};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{Ident, Next, OnResult, Run, Step, StepKind, TaskDecl};
 
-/// A warning for each step to which nothing leads. What only follows such a step is not told, too.
+/// Returns a warning for each unreachable step. A step that only follows another unreachable step is not reported.
 pub(super) fn unreached(program: &Program<'_>, module: ModuleId, task: &TaskDecl) -> Vec<Finding> {
     let mut steps = Steps {
         program,
@@ -20,15 +20,15 @@ pub(super) fn unreached(program: &Program<'_>, module: ModuleId, task: &TaskDecl
     places.map(finding).collect()
 }
 
-/// A step and where it leads.
+/// Step of a task and its successors.
 #[derive(Default)]
 struct Node<'a> {
-    /// Its name, and where it runs something; of several steps the first. None for what runs nothing.
+    /// Name of the step and span of what it runs; for several steps, of the first. None for a step that runs nothing.
     place: Option<(Option<&'a Ident>, Span)>,
     leads: Vec<usize>,
 }
 
-/// The steps of a task, those of inner lists behind those of the list around them.
+/// Steps of a task. Steps of inner lists follow those of the list around them.
 struct Steps<'p, 'a> {
     program: &'p Program<'p>,
     module: ModuleId,
@@ -36,8 +36,8 @@ struct Steps<'p, 'a> {
 }
 
 impl<'a> Steps<'_, 'a> {
-    /// Adds a list of steps, which leads to `behind`, and gives the one that is first. Of the names that can be reached
-    /// the innermost come last.
+    /// Adds a list of steps that is followed by step `behind`, and returns its first step. In the list of visible
+    /// names, inner names come last.
     fn list(
         &mut self,
         steps: &'a [Step],
@@ -89,7 +89,8 @@ impl<'a> Steps<'_, 'a> {
         Node { place, leads }
     }
 
-    /// Where a step leads: to those that its branches name, and to the next if they leave a result open.
+    /// Returns the successors of a step: the targets of its branches, and the next step unless the branches cover all
+    /// results.
     fn targets(&self, run: &Run, next: Option<usize>, names: &[(&'a Name, usize)]) -> Vec<usize> {
         let branches = run.branches.iter();
         let to = branches.clone().filter_map(|branch| match &branch.then {
@@ -98,7 +99,7 @@ impl<'a> Steps<'_, 'a> {
         });
         let is_any = |on: &OnResult| matches!(on, OnResult::Any(_));
         let mut on = branches.flat_map(|branch| &branch.on);
-        // Of a command with branches each result has one; a task has none but `fail`.
+        // A command with branches has one for each result. A task returns no result except `fail`.
         let goes_on = run.branches.is_empty() || self.is_task(run) && !on.any(is_any);
         to.chain(next.filter(|_| goes_on)).collect()
     }
@@ -134,15 +135,15 @@ fn first_in(steps: &[Step]) -> Option<(Option<&Ident>, Span)> {
 fn finding((label, span): (Option<&Ident>, Span)) -> Finding {
     let (what, help) = match label {
         Some(Ident { name, .. }) => (
-            format!("the step `{name}`"),
-            format!("let a branch lead to it (`then {name}`), or delete it"),
+            format!("step `{name}`"),
+            format!("add a branch to it (`then {name}`), or delete it"),
         ),
         None => (
             "this step".to_owned(),
-            "what stands before it never goes on to the next step: give this one a name and let a branch lead there, or delete it".to_owned(),
+            "the step before it never continues with the next one: name this step and add a branch to it, or delete it".to_owned(),
         ),
     };
-    Finding::new(Code::RPI8007, format!("nothing leads to {what}"))
-        .at(span, "this is never run")
+    Finding::new(Code::RPI8007, format!("{what} is unreachable"))
+        .at(span, "this step never runs")
         .help(help)
 }

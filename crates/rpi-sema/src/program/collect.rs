@@ -1,4 +1,4 @@
-//! From parsed files to the table of declarations.
+//! Collects the declarations of parsed files into a table.
 
 use super::{
     Decl, DeclId, DeclKind, Extent, Library, Module, ModuleId, Program, Source, Space, Use,
@@ -14,14 +14,14 @@ use rpi_syntax::{Mode, Name};
 use std::cell::Cell;
 
 impl<'a> Program<'a> {
-    /// The table of a program's declarations, and what is wrong with their names. The first source is the module that
-    /// was asked for; modules that `use` names and that are not among the sources are reported.
+    /// Collects the declarations of a program and reports errors in their names. The first source is the root module.
+    /// Modules named by `use` that are missing from the sources are reported.
     #[must_use]
     pub fn collect(sources: &[Source<'a>]) -> (Program<'a>, Vec<Finding>) {
         Program::collect_beside(sources, Library::EMPTY)
     }
 
-    /// The same where there are more modules than the program uses.
+    /// Like [`collect`](Self::collect), with a library of modules that the program could use.
     #[must_use]
     pub fn collect_beside(sources: &[Source<'a>], library: Library) -> (Program<'a>, Vec<Finding>) {
         let mut collector = Collector::new(library);
@@ -51,7 +51,7 @@ impl<'a> Program<'a> {
 
 struct Collector<'a> {
     library: Library,
-    /// Which words the file at hand knows.
+    /// Syntax mode of the current file.
     mode: Mode,
     modules: Vec<Module>,
     decls: Vec<Decl<'a>>,
@@ -140,8 +140,8 @@ impl<'a> Collector<'a> {
         self.one(&signature.name, doc, kind);
     }
 
-    /// Whether static parameters have names of their own. Where two have one name it is open which of them is meant
-    /// wherever it stands.
+    /// Returns whether the static parameters have unique names, and reports duplicates. A declaration with duplicates
+    /// is not checked further, because its names are ambiguous.
     fn apart(&mut self, statics: &[StaticParam], ports: &[&[VarDecl]]) -> bool {
         let statics = params(statics);
         let ports = ports.iter().flat_map(|ports| ports.iter());
@@ -204,13 +204,14 @@ impl<'a> Collector<'a> {
             return;
         }
         if let Some(first) = current.names.insert(name.name.clone(), id) {
+            // The first declaration stays in force, so that uses of the name are checked against it.
             current.names.insert(name.name.clone(), first);
             let first = self.decls[first.0 as usize].span;
             self.findings.push(twice(&name.name, name.span, first));
         }
     }
 
-    /// A declaration that no name finds.
+    /// Adds a declaration that cannot be found by name.
     fn nameless(&mut self, name: &Ident, doc: Option<&'a Doc>, kind: DeclKind<'a>) -> DeclId {
         let module = ModuleId(u32::try_from(self.modules.len() - 1).unwrap_or(u32::MAX));
         self.decls.push(Decl {
@@ -263,10 +264,10 @@ fn last_id(decls: &[Decl<'_>]) -> DeclId {
     DeclId(u32::try_from(decls.len() - 1).unwrap_or(u32::MAX))
 }
 
-/// A name declared a second time.
+/// Error for a name that is declared a second time.
 pub(crate) fn twice(name: &Name, again: Span, first: Span) -> Finding {
     Finding::new(Code::RPI1002, format!("`{name}` is declared twice"))
         .at(again, "declared again here")
         .also(first, "first declared here")
-        .help("give one of them another name")
+        .help("rename one of them")
 }

@@ -1,20 +1,20 @@
-//! Finding a declaration by name.
+//! Name lookup in the table of declarations.
 
 use super::{DeclId, DeclKind, Module, ModuleId, Program, Space, Use};
 use rpi_diag::{Code, Finding, Fix, Span};
 use rpi_syntax::{Mode, Name};
 
-/// What a name finds.
+/// Result of a name lookup.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum Lookup {
-    /// One declaration.
+    /// Declaration with this name.
     Found(DeclId),
-    /// Nothing.
+    /// Undefined name.
     Missing,
 }
 
 impl Program<'_> {
-    /// What a name means in a module: plain, or qualified by a module (`motion::Line`).
+    /// Looks up a name in a module: plain, or qualified by a module (`motion::Line`).
     #[must_use]
     pub fn lookup(&self, from: ModuleId, name: &Name) -> Lookup {
         let module = self.module(from);
@@ -25,7 +25,7 @@ impl Program<'_> {
         }
     }
 
-    /// The same for what a place looks for: in Lustre a name may stand for something else at another place.
+    /// Looks up a name in one name space. In Lustre a name can have a different meaning in each name space.
     #[must_use]
     pub fn lookup_in(&self, space: Space, from: ModuleId, name: &Name) -> Lookup {
         match self.module(from).spaces[space as usize].get(name) {
@@ -34,7 +34,7 @@ impl Program<'_> {
         }
     }
 
-    /// The declaration of a name in the module itself.
+    /// Looks up a name among the declarations of the module itself.
     #[must_use]
     pub fn own(&self, module: ModuleId, name: &Name) -> Option<DeclId> {
         self.module(module).names.get(name).copied()
@@ -48,7 +48,7 @@ impl Program<'_> {
             return self.implied(module, name);
         };
         used.found.set(true);
-        // Frames of one name are one, wherever they are declared.
+        // Frames with the same name are one frame, wherever they are declared.
         let is_other = |(_, other): &(&Use, DeclId)| {
             let both = [id, *other].map(|id| self.decl(id).kind);
             *other != id && !matches!(both, [DeclKind::Frame(_), DeclKind::Frame(_)])
@@ -63,36 +63,36 @@ impl Program<'_> {
         Lookup::Found(id)
     }
 
-    /// An error for each name that a module has found in two of those that it uses: none goes before the other.
+    /// Returns an error for each name that was found in two used modules. Neither takes precedence.
     pub(crate) fn clashes(&self) -> Vec<Finding> {
         let clashes = self.clashes.borrow();
         let clash = |((first, name), other): (&(Span, Name), &Span)| {
             Finding::new(
                 Code::RPI1002,
-                format!("`{name}` is declared in two modules that are used"),
+                format!("ambiguous name `{name}`: two used modules declare it"),
             )
-            .at(*first, "here")
-            .also(*other, "and here")
+            .at(*first, "declared in this module")
+            .also(*other, "also declared in this module")
             .help(format!(
-                "say which one is meant, by its module: `module::{name}`"
+                "qualify the name with its module: `module::{name}`"
             ))
         };
         clashes.iter().map(clash).collect()
     }
 
-    /// A warning for each module that the first one says to use and in which no name has been found so far.
+    /// Returns a warning for each module that the root module uses and in which no name has been found so far.
     pub(crate) fn needless_uses(&self) -> impl Iterator<Item = Finding> + '_ {
         let uses = self.root().uses.iter();
         let needless = uses.filter(|used| !used.found.get());
         needless.map(|used| {
             let name = &self.module(used.module).name;
-            let finding = Finding::new(Code::RPI1016, format!("nothing uses the module `{name}`"))
-                .at(used.name, "none of its names stands in this module");
+            let finding = Finding::new(Code::RPI1016, format!("module `{name}` is never used"))
+                .at(used.name, "none of its names is used here");
             finding.fix(Fix::sure("delete it").replace(self.needless_text(used), ""))
         })
     }
 
-    /// What goes away with a module that is not used: the whole phrase, or its name and the comma beside it.
+    /// Span to delete for an unused module: the whole `use` clause, or the name and a comma.
     fn needless_text(&self, used: &Use) -> Span {
         let uses = self.root().uses.iter();
         let beside: Vec<&Use> = uses.filter(|other| other.phrase == used.phrase).collect();
@@ -118,14 +118,14 @@ impl Program<'_> {
         }
     }
 
-    /// The modules in which names are looked for that a module does not declare itself, in this order.
+    /// Returns the modules in which the undeclared names of a module are looked up, in this order.
     pub fn used_by(&self, module: ModuleId) -> impl Iterator<Item = ModuleId> + '_ {
         let module = self.module(module);
         let used = module.uses.iter().map(|used| used.module);
         used.chain(self.implicit_of(module).iter().copied())
     }
 
-    /// The modules that a module uses without saying so; Lustre has none.
+    /// Returns the modules that a module uses implicitly; none in Lustre.
     fn implicit_of(&self, module: &Module) -> &[ModuleId] {
         match module.mode {
             Mode::Rpi => &self.implicit,
@@ -147,7 +147,7 @@ impl Program<'_> {
         found.map_or(Lookup::Missing, |id| Lookup::Found(*id))
     }
 
-    /// The names of visible declarations that `fits`, for "did you mean".
+    /// Returns the names of visible declarations for which `fits` holds, for "did you mean".
     pub fn visible(
         &self,
         from: ModuleId,

@@ -1,8 +1,8 @@
-//! The declarations of all modules of a program, and how names find them.
+//! Declarations of all modules of a program, and name lookup.
 //!
-//! A module is one file, with the files that it includes. Its own names come before those of the modules that it uses, which come in the order of their `use`,
-//! and these before the
-//! modules that are there without being used. This part knows which declarations there are; it must not know what they mean.
+//! A module is one file with the files that it includes. Names are looked up in the module itself, then in the modules
+//! that it uses, in the order of their `use`, then in the modules that are used implicitly. This module knows which
+//! declarations exist and must not know what they mean.
 
 mod collect;
 mod lookup;
@@ -21,16 +21,16 @@ use rpi_syntax::{Mode, Name};
 use std::cell::{Cell, RefCell};
 use std::collections::BTreeMap;
 
-/// The texts of one module, parsed.
+/// Parsed files of one module.
 #[derive(Clone, Debug)]
 pub struct Source<'a> {
-    /// The name by which `use` finds it.
+    /// Name of the module in `use`.
     pub name: Name,
-    /// Which words its file knows; one that is included may know others.
+    /// Syntax mode of the module's own file. An included file may have another mode.
     pub mode: Mode,
-    /// The file, then those that it includes.
+    /// File of the module, then the files that it includes.
     pub files: Vec<&'a File>,
-    /// Whether every `.rpi` module uses it without saying so.
+    /// Whether every `.rpi` module uses it implicitly.
     pub implicit: bool,
 }
 
@@ -42,66 +42,66 @@ pub struct ModuleId(pub u32);
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub struct DeclId(pub u32);
 
-/// A declaration with a name.
+/// Named declaration.
 #[derive(Clone, Debug)]
 pub struct Decl<'a> {
-    /// Its name.
+    /// Name of the declaration.
     pub name: Name,
-    /// Where the name stands.
+    /// Span of the name.
     pub span: Span,
-    /// What was written above it.
+    /// Doc comment above the declaration.
     pub doc: Option<&'a Doc>,
-    /// The module it stands in.
+    /// Module of the declaration.
     pub module: ModuleId,
-    /// Which words its file knows.
+    /// Syntax mode of the file.
     pub mode: Mode,
-    /// What it is.
+    /// Kind and syntax tree of the declaration.
     pub kind: DeclKind<'a>,
 }
 
-/// The kinds of declarations.
+/// Kind of a declaration, with its syntax tree.
 #[derive(Clone, Copy, Debug)]
 pub enum DeclKind<'a> {
-    /// A constant.
+    /// Constant.
     Const(&'a ConstDef),
-    /// A type.
+    /// Type.
     Type(&'a TypeDef),
-    /// A value of an enum.
+    /// Value of an enum.
     EnumValue {
-        /// The enum.
+        /// Declaration of the enum.
         ty: DeclId,
-        /// Its place among the values.
+        /// Index among the values.
         index: u32,
     },
-    /// An alternative of a `datatype`.
+    /// Constructor of a `datatype`.
     Constructor {
-        /// The type.
+        /// Declaration of the type.
         ty: DeclId,
-        /// Its place among the alternatives.
+        /// Index among the constructors.
         index: u32,
     },
-    /// A node or function.
+    /// Node or function.
     Node(&'a NodeDecl),
-    /// A fragment.
+    /// Fragment.
     Fragment(&'a FragmentDecl),
-    /// The signature of a registered primitive, with units and frames.
+    /// Signature of a registered primitive, with units and frames.
     Primitive(&'a PrimitiveDecl),
-    /// A device type.
+    /// Device type.
     Device(&'a DeviceDecl),
-    /// A coordinate frame.
+    /// Coordinate frame.
     Frame(&'a FrameDecl),
-    /// A command.
+    /// Command.
     Command(&'a CommandDecl),
-    /// A task.
+    /// Task.
     Task(&'a TaskDecl),
-    /// A test; its title is no name that others could use.
+    /// Test. Its title is not a name that can be looked up.
     Test(&'a TestDecl),
-    /// Something that did not parse: its name is known, so that nobody complains about it.
+    /// Declaration with a syntax error. Its name is kept so that uses of it are not reported as undefined.
     Broken(DeclaredKind),
 }
 
 impl DeclKind<'_> {
-    /// What it is, in words, with its article.
+    /// Returns the kind in words, with an article.
     #[must_use]
     pub fn what(&self) -> &'static str {
         match self {
@@ -121,36 +121,36 @@ impl DeclKind<'_> {
     }
 }
 
-/// A module that another one says to use.
+/// Use of a module by another module.
 #[derive(Debug)]
 struct Use {
     module: ModuleId,
-    /// Where its name stands, and the whole phrase.
+    /// Span of the module's name, and span of the whole `use` clause.
     name: Span,
     phrase: Span,
-    /// Whether a name has been found in it.
+    /// Whether a name has been found in the module.
     found: Cell<bool>,
 }
 
-/// A module.
+/// Module of a program.
 #[derive(Debug)]
 pub struct Module {
-    /// Its name.
+    /// Name of the module.
     pub name: Name,
-    /// Which words its files know.
+    /// Syntax mode of the module's file.
     pub mode: Mode,
-    /// Its declarations in text order.
+    /// Declarations in text order.
     pub decls: Vec<DeclId>,
-    /// The modules that it uses, in text order.
+    /// Modules that the module uses, in text order.
     uses: Vec<Use>,
-    /// Whether it says to use a module that is not there, so that names may be missing for that alone.
+    /// Whether the module uses a missing module. Undefined names may then be a consequence.
     pub lacks_use: bool,
     names: Map<Name, DeclId>,
-    /// In Lustre, what each kind of place looks for: a type and a node may have one name.
+    /// In Lustre, the names of each name space: a type and a node may have the same name.
     spaces: [Map<Name, DeclId>; Space::COUNT],
 }
 
-/// What a place in a program looks for. In Lustre each has names of its own.
+/// Name space of a lookup. In Lustre each has separate names.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Space {
     /// Constants and values of enums.
@@ -166,7 +166,7 @@ pub enum Space {
 impl Space {
     const COUNT: usize = 4;
 
-    /// Where a declaration is looked for.
+    /// Returns the name space of a declaration.
     fn of(kind: &DeclKind<'_>) -> Space {
         match kind {
             DeclKind::Type(_) | DeclKind::Device(_) | DeclKind::Broken(DeclaredKind::Type) => {
@@ -182,26 +182,26 @@ impl Space {
 /// All declarations of a program.
 #[derive(Debug)]
 pub struct Program<'a> {
-    /// The modules; the first is the one that was asked for.
+    /// Modules. The first is the root module.
     pub modules: Vec<Module>,
-    /// The declarations of all modules.
+    /// Declarations of all modules.
     pub decls: Vec<Decl<'a>>,
-    /// The modules that every `.rpi` module uses without saying so.
+    /// Modules that every `.rpi` module uses implicitly.
     implicit: Vec<ModuleId>,
-    /// What has been found in two modules: where the first one is named and what it is, and where the other is named.
+    /// Ambiguous names: span of the first `use` and the name, mapped to the span of the second `use`.
     clashes: RefCell<BTreeMap<(Span, Name), Span>>,
-    /// What could be used, for what it would have declared.
+    /// Modules that the program could use, for suggestions.
     pub library: Library,
-    /// Where its declarations stand, whole, in the order of the files.
+    /// Extents of all declarations, in the order of the files.
     pub extents: Vec<Extent>,
 }
 
-/// Where a declaration stands.
+/// Source range of a declaration.
 #[derive(Clone, Copy, Debug)]
 pub struct Extent {
-    /// All of it.
+    /// Span of the whole declaration.
     pub span: Span,
-    /// Whether it is of something that becomes units, so that what is wrong in it is wrong in these alone.
+    /// Whether the declaration becomes units. An error inside it then affects only these units.
     pub is_of_units: bool,
 }
 
@@ -219,17 +219,17 @@ impl Extent {
     }
 }
 
-/// The modules that a program could use, whether it does or not.
+/// Modules that a program could use, whether it does or not.
 #[derive(Clone, Copy, Debug)]
 pub struct Library {
-    /// Their names.
+    /// Returns the names of the modules.
     pub modules: fn() -> Vec<&'static str>,
-    /// The module that declares a name.
+    /// Returns the module that declares a name.
     pub declaring: fn(&str) -> Option<&'static str>,
 }
 
 impl Library {
-    /// No modules.
+    /// Library without modules.
     pub const EMPTY: Library = Library {
         modules: Vec::new,
         declaring: |_| None,
@@ -237,34 +237,34 @@ impl Library {
 }
 
 impl<'a> Program<'a> {
-    /// The declaration of this index.
+    /// Returns the declaration with this index.
     #[must_use]
     pub fn decl(&self, id: DeclId) -> &Decl<'a> {
         &self.decls[id.0 as usize]
     }
 
-    /// The module of this index.
+    /// Returns the module with this index.
     #[must_use]
     pub fn module(&self, id: ModuleId) -> &Module {
         &self.modules[id.0 as usize]
     }
 
-    /// Whether a module of the program has the name of this one of the library, without declaring what that does: then to
-    /// use it does not bring that.
+    /// Returns whether a module of the program hides the library module of the same name and does not declare `name`. A
+    /// `use` of that module would then not make the name available.
     #[must_use]
     pub fn is_hidden(&self, module: &str, name: &str) -> bool {
         let same = self.modules.iter().find(|other| other.name == *module);
         same.is_some_and(|other| !other.names.contains_key(name))
     }
 
-    /// How many bytes its declarations are long: what it may ask for grows with that.
+    /// Returns the total length of the declarations in bytes. Size limits grow with it.
     #[must_use]
     pub fn length(&self) -> usize {
         let lengths = self.extents.iter().map(|extent| extent.span);
         lengths.map(|span| (span.end - span.start) as usize).sum()
     }
 
-    /// The module that was asked for.
+    /// Returns the root module.
     #[must_use]
     pub fn root(&self) -> &Module {
         &self.modules[0]

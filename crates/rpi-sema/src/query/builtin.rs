@@ -1,114 +1,110 @@
-//! What every program has without a declaration: flows, operators that are written as calls, parts of spatial values.
+//! Predeclared names: flows, operators with call syntax, and components of spatial values.
 
 use crate::check;
 use rpi_image::Scalar;
 use rpi_prims::PrimId;
 
-/// Something that is there without a declaration.
+/// Predeclared name.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Builtin {
-    /// Its name.
+    /// Name.
     pub name: &'static str,
-    /// How it is used: `time: real[s]`, `hold(x, init)`.
+    /// Usage: `time: real[s]`, `hold(x, init)`.
     pub form: String,
-    /// What it is.
+    /// Description.
     pub doc: String,
-    /// Whether it is called.
+    /// Whether it has call syntax.
     pub is_call: bool,
 }
 
-/// Operators that are written as calls: name, form, what they give.
+/// Operators with call syntax: name, usage, description.
 const CALLS: &[(&str, &str, &str)] = &[
     (
         "present",
         "present(x)",
-        "Whether a flow is there in this cycle.",
+        "Whether a flow is present in this cycle.",
     ),
     (
         "hold",
         "hold(x, init)",
-        "The latest value of `x`; `init` before there was one.",
+        "The latest value of `x`; `init` before the first.",
     ),
     (
         "condact",
         "condact<<f, d>>(c, x)",
-        "`f(x)` in the cycles in which `c` holds, else what it gave last; `d` before the first.",
+        "`f(x)` in cycles in which `c` is true, else its last result; `d` before the first.",
     ),
     (
         "sqrt",
         "sqrt(x)",
-        "Square root; the unit takes the root, too.",
+        "Square root; its unit is the root of the unit of `x`.",
     ),
     (
         "time",
         "time(x)",
-        "Seconds as a time: whole ticks, rounded up.",
+        "Converts seconds to a time in whole ticks, rounded up.",
     ),
     (
         "vector",
         "vector(x, y, z)",
-        "The vector of three reals of one unit.",
+        "Vector of three reals with the same unit.",
     ),
     (
         "dot",
         "dot(a, b)",
-        "The scalar product of two vectors; units multiply.",
+        "Dot product of two vectors; units multiply.",
     ),
     (
         "cross",
         "cross(a, b)",
-        "The vector product of two vectors; units multiply.",
+        "Cross product of two vectors; units multiply.",
     ),
-    ("norm", "norm(v)", "How long a vector is, in its unit."),
+    ("norm", "norm(v)", "Length of a vector, in its unit."),
     (
         "inverse",
         "inverse(p)",
-        "Of a pose or rotation `(b in a)` that of `(a in b)`.",
+        "Inverse of a pose or rotation: `(a in b)` from `(b in a)`.",
     ),
-    (
-        "any",
-        "any<<T>>()",
-        "A value that a Lustre program leaves open.",
-    ),
+    ("any", "any<<T>>()", "Arbitrary value of a type (Lustre)."),
     (
         "choose",
         "choose { x: T | condition }",
-        "A value that a Lustre program leaves open but for a condition.",
+        "Arbitrary value that satisfies a condition (Lustre).",
     ),
     (
         "map",
         "map<<f; n>>(a, b)",
-        "`f` of the elements, one by one: an array of what it gives.",
+        "Applies `f` to each element; returns the array of results.",
     ),
     (
         "red",
         "red<<f; n>>(init, a)",
-        "`f` of what came out so far and the next element; the last of it.",
+        "Applies `f` to the accumulator and each element in turn; returns the last accumulator.",
     ),
-    ("fold", "fold<<f; n>>(init, a)", "The same as `red`."),
+    ("fold", "fold<<f; n>>(init, a)", "Same as `red`."),
     (
         "fill",
         "fill<<f; n>>(init)",
-        "`f` of what came out so far, over and over: its last state and an array of its results.",
+        "Applies `f` to the accumulator `n` times; returns the last accumulator and an array of results.",
     ),
     (
         "fillred",
         "fillred<<f; n>>(init, a)",
-        "`f` of the state and the next elements: its last state and arrays of its results.",
+        "Applies `f` to the accumulator and each element; returns the last accumulator and arrays of results.",
     ),
     (
         "mapfold",
         "mapfold<<n, f>>(init, a)",
-        "The same as `fillred`, with the size first.",
+        "Same as `fillred`, with the size first.",
     ),
     (
         "boolred",
         "boolred<<least, most, n>>(a)",
-        "Whether at least so many and at most so many elements are true.",
+        "Whether at least `least` and at most `most` elements are true.",
     ),
 ];
 
-/// Conversions of `.lus` files.
+/// Conversions to machine integers, as written in `.lus` files.
 const MACHINE: [(&str, &str); 10] = [
     ("int8", "(int8 x)"),
     ("int16", "(int16 x)"),
@@ -122,7 +118,7 @@ const MACHINE: [(&str, &str); 10] = [
     ("uint", "(uint@<n> x)"),
 ];
 
-/// Everything that is there without a declaration in a `.rpi` file, in a fixed order.
+/// Returns all predeclared names of a `.rpi` file, in a fixed order.
 pub fn builtins() -> impl Iterator<Item = Builtin> {
     let none = Builtin {
         name: "none",
@@ -133,7 +129,7 @@ pub fn builtins() -> impl Iterator<Item = Builtin> {
     let machine = MACHINE.iter().map(|(name, form)| Builtin {
         name,
         form: (*form).to_owned(),
-        doc: "Machine integer of Kind 2 with the lowest bits of x.".to_owned(),
+        doc: "Machine integer of Kind 2 with the lowest bits of `x`.".to_owned(),
         is_call: true,
     });
     let calls = CALLS.iter().map(|(name, form, doc)| Builtin {
@@ -145,14 +141,14 @@ pub fn builtins() -> impl Iterator<Item = Builtin> {
     flows().chain([none]).chain(calls).chain(machine)
 }
 
-/// The one of this name.
+/// Returns the predeclared name `name`.
 #[must_use]
 pub fn builtin(name: &str) -> Option<Builtin> {
     let mut all = builtins().chain(constraints());
     all.find(|builtin| builtin.name == name)
 }
 
-/// The constraints of type parameters, which stand nowhere else.
+/// Returns the constraints of type parameters, which are not allowed anywhere else.
 fn constraints() -> impl Iterator<Item = Builtin> {
     check::constraints().map(|(name, admitted)| Builtin {
         name,
@@ -171,7 +167,7 @@ fn flows() -> impl Iterator<Item = Builtin> {
     })
 }
 
-/// The parts of a spatial value that are read by name.
+/// Returns the components of a spatial value that are read by name.
 pub fn spatial_parts(scalar: Scalar) -> impl Iterator<Item = &'static str> {
     check::spatial_parts(scalar)
 }
@@ -183,7 +179,7 @@ mod tests {
     #[test]
     fn every_operator_that_the_checker_knows_is_told() {
         for name in check::operator_names() {
-            // `time` is a flow, too.
+            // `time` is also a flow.
             let told = builtins().any(|b| b.name == name && b.is_call);
             assert!(told, "{name}");
         }

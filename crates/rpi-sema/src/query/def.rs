@@ -1,4 +1,4 @@
-//! Definitions: everything that a program gives a name.
+//! Definitions: everything that has a name in a program.
 
 use rpi_diag::Span;
 use rpi_syntax::Name;
@@ -8,83 +8,83 @@ use rpi_syntax::ast::Doc;
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub struct DefId(pub u32);
 
-/// A name that a program gives a meaning.
+/// Definition of a name.
 #[derive(Clone, Debug)]
 pub struct Def {
-    /// The name.
+    /// Name.
     pub name: Name,
-    /// What it is.
+    /// Kind of the definition.
     pub kind: DefKind,
-    /// Where the name is declared.
+    /// Span of the name in the declaration.
     pub span: Span,
-    /// The whole declaration.
+    /// Span of the whole declaration.
     pub whole: Span,
-    /// What was written above it.
+    /// Doc comment above the declaration.
     pub doc: Option<Doc>,
-    /// What it stands in.
+    /// Enclosing definition.
     pub parent: Option<DefId>,
-    /// Where its type is written, if it is.
+    /// Span of the declared type, if there is one.
     pub ty: Option<Span>,
-    /// The definition whose members it has: a device's type, a struct, what an equation calls.
+    /// Definition whose members this one has: a device type, a struct, or the callee of an equation.
     pub shape: Option<DefId>,
 }
 
-/// What a definition is.
+/// Kind of a definition.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum DefKind {
-    /// A file, as `use` names it.
+    /// File, as named by `use`.
     Module,
     /// `const`
     Const,
     /// `type`
     Type,
-    /// A value of an enum.
+    /// Value of an enum.
     EnumValue,
-    /// A field of a struct.
+    /// Field of a struct.
     Field,
     /// `node`
     Node,
     /// `function`
     Function,
-    /// `fragment`, declared by itself.
+    /// `fragment` declared at the top level.
     Fragment,
     /// `primitive`
     Primitive,
     /// `device`
     Device,
-    /// A port of a device.
+    /// Port of a device.
     Port,
     /// `frame`
     Frame,
     /// `command`
     Command,
-    /// A result by which a command ends.
+    /// Result with which a command ends.
     Result,
     /// `task`
     Task,
-    /// A named step of a task.
+    /// Named step of a task.
     Step,
     /// `test`
     Test,
-    /// A static parameter.
+    /// Static parameter.
     Static,
-    /// A parameter of a command or task.
+    /// Parameter of a command or task.
     Param,
-    /// An in-port.
+    /// In-port.
     Input,
-    /// Taken over from the predecessor.
+    /// Value taken over from the preceding command.
     Given,
-    /// An out-port.
+    /// Out-port.
     Output,
-    /// A flow inside a body.
+    /// Flow inside a body.
     Local,
-    /// A fragment in place.
+    /// Fragment in place.
     Block,
-    /// A state of an automaton.
+    /// State of an automaton.
     State,
 }
 
-/// The table of kinds: what each is called.
+/// Names of the kinds, in the order of the variants.
 const WORDS: &[(DefKind, &str)] = &[
     (DefKind::Module, "module"),
     (DefKind::Const, "constant"),
@@ -114,20 +114,20 @@ const WORDS: &[(DefKind, &str)] = &[
 ];
 
 impl DefKind {
-    /// What it is called.
+    /// Returns the kind in words.
     #[must_use]
     pub fn word(self) -> &'static str {
         WORDS[self as usize].1
     }
 
-    /// Whether it can be called.
+    /// Returns whether definitions of this kind can be called.
     #[must_use]
     pub fn is_callable(self) -> bool {
         use DefKind::{Fragment, Function, Node, Primitive};
         matches!(self, Node | Function | Fragment | Primitive)
     }
 
-    /// Whether it has a value in a cycle or when a command is loaded.
+    /// Returns whether definitions of this kind have a value, in a cycle or when a command is loaded.
     #[must_use]
     pub fn is_value(self) -> bool {
         use DefKind::{Const, Field, Given, Input, Local, Output, Param, Port, Static};
@@ -137,14 +137,14 @@ impl DefKind {
         )
     }
 
-    /// Whether a call may give it by its name.
+    /// Returns whether definitions of this kind can be named arguments of a call.
     #[must_use]
     pub fn is_parameter(self) -> bool {
         use DefKind::{Given, Input, Param, Static};
         matches!(self, Static | Param | Input | Given)
     }
 
-    /// Whether it is read as `parent.name`.
+    /// Returns whether definitions of this kind can be read as `parent.name`.
     #[must_use]
     pub fn is_member_of(self, parent: DefKind) -> bool {
         use DefKind::{Block, Command, Device, Field, Local, Output, Port, Result, State, Type};

@@ -1,4 +1,4 @@
-//! The table of definitions and references, and what can be asked of it.
+//! Table of definitions and references, with its queries.
 
 use super::def::{Def, DefId};
 use crate::hash::Map;
@@ -6,12 +6,12 @@ use crate::program::{Program, Source};
 use rpi_diag::{FileId, Span};
 use rpi_syntax::Name;
 
-/// A place where a name stands.
+/// Occurrence of a name.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub struct Reference {
-    /// Where.
+    /// Span of the name.
     pub span: Span,
-    /// What it means.
+    /// Definition of the name.
     pub def: DefId,
 }
 
@@ -19,29 +19,29 @@ pub struct Reference {
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct ScopeId(pub(super) u32);
 
-/// A part of a text in which names have a meaning.
+/// Scope of names.
 #[derive(Debug)]
 pub(super) struct Scope {
-    /// The part of the text; a module's is its whole first file.
+    /// Source range of the scope; for a module, its whole first file.
     pub(super) span: Span,
-    /// The scope around it.
+    /// Enclosing scope.
     pub(super) parent: Option<ScopeId>,
-    /// The definition whose inside it is.
+    /// Definition whose inner scope this is.
     pub(super) owner: Option<DefId>,
-    /// What its names mean.
+    /// Definitions of the names in the scope.
     pub(super) names: Map<Name, DefId>,
-    /// The same in text order.
+    /// Definitions in text order.
     pub(super) order: Vec<DefId>,
-    /// Where names are looked for that are nowhere around: the modules that a module uses.
+    /// Scopes of the modules that a module uses, for names that no enclosing scope defines.
     pub(super) uses: Vec<ScopeId>,
 }
 
-/// What is inside a definition.
+/// Inner scopes of a definition.
 #[derive(Clone, Copy, Default, Debug)]
 pub(super) struct Inside {
-    /// The scope in which its members stand.
+    /// Scope that contains the members.
     pub(super) members: Option<ScopeId>,
-    /// The scope in which its parameters stand.
+    /// Scope that contains the parameters.
     pub(super) parameters: Option<ScopeId>,
 }
 
@@ -49,35 +49,35 @@ pub(super) struct Inside {
 #[derive(Debug)]
 pub struct Index {
     pub(super) defs: Vec<Def>,
-    /// In text order.
+    /// References in text order.
     pub(super) references: Vec<Reference>,
     pub(super) scopes: Vec<Scope>,
-    /// What is inside each definition.
+    /// Inner scopes of each definition.
     pub(super) inside: Vec<Inside>,
-    /// The scope of the module of each file.
+    /// Scope of the module of each file.
     pub(super) files: Vec<(FileId, ScopeId)>,
 }
 
 impl Index {
-    /// The table of a program. `sources` are those that the program was collected from.
+    /// Builds the table of a program. `sources` must be those from which the program was collected.
     #[must_use]
     pub fn of<'a>(program: &Program<'a>, sources: &[Source<'a>]) -> Index {
         super::build::build(program, sources)
     }
 
-    /// The definition of this index.
+    /// Returns the definition with this index.
     #[must_use]
     pub fn def(&self, id: DefId) -> &Def {
         &self.defs[id.0 as usize]
     }
 
-    /// All definitions of a file in the order in which they were met: parents before what is in them.
+    /// Returns all definitions of a file, parents before their children.
     pub fn defs_in(&self, file: FileId) -> impl Iterator<Item = (DefId, &Def)> {
         let all = (0..).map(DefId).zip(&self.defs);
         all.filter(move |(_, def)| def.span.file == file)
     }
 
-    /// The name at a place: one that begins before it or there, and ends there or after it.
+    /// Returns the reference at a position, including the positions at both ends of the name.
     #[must_use]
     pub fn at(&self, file: FileId, offset: u32) -> Option<Reference> {
         let begins = |r: &Reference| (r.span.file, r.span.start) <= (file, offset);
@@ -87,7 +87,7 @@ impl Index {
         holds.then_some(*last)
     }
 
-    /// The names within a place, in text order, and what they mean.
+    /// Returns the references within a span, in text order.
     #[must_use]
     pub fn references_in(&self, place: Span) -> &[Reference] {
         let before = |offset: u32| {
@@ -97,19 +97,19 @@ impl Index {
         &self.references[before(place.start)..before(place.end)]
     }
 
-    /// Every place where a definition's name stands, in text order.
+    /// Returns the spans of all occurrences of a definition's name, in text order.
     pub fn references(&self, def: DefId) -> impl Iterator<Item = Span> + '_ {
         let all = self.references.iter();
         all.filter(move |r| r.def == def).map(|r| r.span)
     }
 
-    /// What a name means where it would stand at a place.
+    /// Resolves a name as if it occurred at a position.
     #[must_use]
     pub fn resolve(&self, file: FileId, offset: u32, name: &str) -> Option<DefId> {
         self.lookup(self.scope_at(file, offset)?, name)
     }
 
-    /// What `name` or `name.part` means where it would stand at a place; a part is a member or a parameter.
+    /// Resolves `name` or `name.part` as if it occurred at a position. A part is a member or a parameter.
     #[must_use]
     pub fn resolve_path(&self, file: FileId, offset: u32, path: &str) -> Option<DefId> {
         let (first, members) = path.split_once('.').unwrap_or((path, ""));
@@ -124,7 +124,7 @@ impl Index {
         })
     }
 
-    /// Everything that has a name at a place, nearest first. A name that a nearer one hides is left out.
+    /// Returns all definitions that are visible at a position, nearest first, without shadowed ones.
     #[must_use]
     pub fn visible(&self, file: FileId, offset: u32) -> Vec<DefId> {
         let mut found = Vec::new();
@@ -136,7 +136,7 @@ impl Index {
         found
     }
 
-    /// What is read as `definition.name`.
+    /// Returns the definitions that can be read as `definition.name`.
     #[must_use]
     pub fn members(&self, def: DefId) -> Vec<DefId> {
         let owner = self.with_members(def);
@@ -147,7 +147,7 @@ impl Index {
         order.filter(|id| self.is_member(owner, *id)).collect()
     }
 
-    /// The member of this name.
+    /// Returns the member with this name.
     #[must_use]
     pub fn member(&self, def: DefId, name: &str) -> Option<DefId> {
         let owner = self.with_members(def)?;
@@ -156,7 +156,7 @@ impl Index {
         self.is_member(Some(owner), found).then_some(found)
     }
 
-    /// What a call may give by name: static parameters, then in-ports.
+    /// Returns the definitions that can be named arguments of a call: static parameters, then in-ports.
     #[must_use]
     pub fn parameters(&self, def: DefId) -> Vec<DefId> {
         let scope = self.inside(self.declaration_of(def)).parameters;
@@ -169,7 +169,7 @@ impl Index {
         self.inside[def.0 as usize]
     }
 
-    /// Behind `node f = g<<3>>;` stands g.
+    /// Resolves an alias: for `node f = g<<3>>;` returns g.
     fn declaration_of(&self, def: DefId) -> DefId {
         match (self.def(def).kind.is_callable(), self.def(def).shape) {
             (true, Some(shape)) => shape,
@@ -177,7 +177,7 @@ impl Index {
         }
     }
 
-    /// The definition whose members are meant: the shape of a value, else the definition itself.
+    /// Returns the definition that has the members: the shape of a value, else the definition itself.
     pub(super) fn with_members(&self, def: DefId) -> Option<DefId> {
         let shape = self.def(def).shape;
         shape.or_else(|| (!self.def(def).kind.is_value()).then_some(def))
@@ -192,14 +192,14 @@ impl Index {
         &self.scopes[id.0 as usize]
     }
 
-    /// What a name means in a scope.
+    /// Resolves a name in a scope.
     pub(super) fn lookup(&self, scope: ScopeId, name: &str) -> Option<DefId> {
         let mut scopes = self.chain(Some(scope)).into_iter();
         let plain = scopes.find_map(|id| self.scope(id).names.get(name).copied());
         plain.or_else(|| self.qualified(scope, name))
     }
 
-    /// `motion::Line`
+    /// Resolves a qualified name, `motion::Line`.
     fn qualified(&self, scope: ScopeId, name: &str) -> Option<DefId> {
         let (module, rest) = name.split_once("::")?;
         let chain = self.chain(Some(scope));
@@ -211,7 +211,7 @@ impl Index {
         self.scope(found).names.get(rest).copied()
     }
 
-    /// A scope, those around it, and the modules that are used there.
+    /// Returns a scope, its enclosing scopes, and the modules used there.
     fn chain(&self, innermost: Option<ScopeId>) -> Vec<ScopeId> {
         let around = std::iter::successors(innermost, |id| self.scope(*id).parent);
         let mut chain: Vec<ScopeId> = around.collect();
@@ -221,7 +221,7 @@ impl Index {
         chain
     }
 
-    /// The innermost scope at a place.
+    /// Returns the innermost scope at a position.
     fn scope_at(&self, file: FileId, offset: u32) -> Option<ScopeId> {
         let holds = |span: Span| span.file == file && span.start <= offset && offset <= span.end;
         let inner = (0..).map(ScopeId).zip(&self.scopes);

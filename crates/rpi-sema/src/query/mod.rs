@@ -1,17 +1,17 @@
-//! What stands where in a program's texts: which name means which declaration, and of which type things are.
+//! Queries about positions in the source: the definition of a name, and types.
 //!
-//! Editors ask this, of programs that are half written. An [`Index`] holds every definition and every reference of a
-//! program; it is made of the syntax trees alone, so that it is there however much of the program is wrong. Types and
-//! presence come from the checked units ([`types_of_flows`], [`types_of_read`], [`type_around`]), as far as the checker came. This module
+//! Editors use these queries on unfinished programs. An [`Index`] holds every definition and reference of a program. It
+//! is built from the syntax trees alone, so that it exists even for programs with errors. Types and presence come from
+//! the checked units ([`types_of_flows`], [`types_of_read`], [`type_around`]), as far as the checker got. This module
 //! must not know editors.
 //!
 //! | file | idea |
 //! |---|---|
 //! | `def.rs` | definitions and their kinds |
-//! | `index.rs` | the table, and what can be asked of it |
-//! | `types.rs` | types and presence at places |
-//! | `builtin.rs` | what is there without a declaration |
-//! | `build/` | from syntax trees to the table |
+//! | `index.rs` | table of definitions and references, with its queries |
+//! | `types.rs` | types and presence at positions |
+//! | `builtin.rs` | predeclared names |
+//! | `build/` | builds the table from syntax trees |
 
 mod build;
 mod builtin;

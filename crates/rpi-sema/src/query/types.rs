@@ -1,6 +1,6 @@
-//! Types and presence at places, from the checked units.
+//! Types and presence at positions in the source, from the checked units.
 //!
-//! A text that is checked several times, for several choices of static arguments, may have several types.
+//! A declaration that is checked for several choices of static arguments may have several types at one position.
 
 use crate::facts::Facts;
 use crate::ty::Ty;
@@ -8,12 +8,12 @@ use crate::typed::{Expr, ExprId, Flow, FlowId, Optional, Unit};
 use rpi_diag::{FileId, Span};
 use std::collections::BTreeMap;
 
-/// A type, and whether the value may be absent.
+/// Type of a flow or expression, with its presence.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Typed {
-    /// The type.
+    /// Type.
     pub ty: Ty,
-    /// Whether it is absent in some cycles.
+    /// Whether the value is absent in some cycles.
     pub optional: bool,
 }
 
@@ -23,7 +23,7 @@ impl std::fmt::Display for Typed {
     }
 }
 
-/// The types of all flows, each once, by where the flow's name is declared.
+/// Returns the distinct types of all flows, by the span of the flow's name in its declaration.
 #[must_use]
 pub fn types_of_flows(units: &[Unit], facts: &[Facts]) -> BTreeMap<Span, Vec<Typed>> {
     let mut types: BTreeMap<Span, Vec<Typed>> = BTreeMap::new();
@@ -51,8 +51,8 @@ fn of_flow(flow: &Flow, id: FlowId, facts: &Facts) -> Typed {
     }
 }
 
-/// The types of what a name stands for where it is read, each once: the smallest expression that ends with it. A flow of
-/// a fragment is always present inside of it, and may be absent where it is read from outside.
+/// Returns the distinct types of a name at a place where it is read: those of the smallest expression that ends with
+/// the name. A flow of a fragment is always present inside it and may be absent for a reader outside.
 #[must_use]
 pub fn types_of_read(units: &[Unit], facts: &[Facts], name: Span) -> Vec<Typed> {
     let ends = |e: &Expr| {
@@ -65,7 +65,7 @@ pub fn types_of_read(units: &[Unit], facts: &[Facts], name: Span) -> Vec<Typed> 
     smallest.map_or_else(Vec::new, |span| types_at(units, facts, span))
 }
 
-/// The smallest expression around a place, and its types, each once.
+/// Returns the smallest expression around a position, with its distinct types.
 #[must_use]
 pub fn type_around(
     units: &[Unit],
@@ -81,12 +81,12 @@ pub fn type_around(
     Some((smallest, types_at(units, facts, smallest)))
 }
 
-/// The types of the outermost expression with this very place.
+/// Returns the distinct types of the outermost expression with exactly this span.
 fn types_at(units: &[Unit], facts: &[Facts], span: Span) -> Vec<Typed> {
     let mut types = Vec::new();
     for (unit, facts) in units.iter().zip(facts) {
         let all = (0..).map(ExprId).zip(&unit.exprs);
-        // What an expression is made of comes before it.
+        // Operands precede their expressions in the table, so the last match is the outermost.
         let last = all.filter(|(_, e)| e.span == span && !e.ty.has_unknown());
         if let Some((id, expr)) = last.last() {
             let optional = facts.absence(id).any();

@@ -1,4 +1,4 @@
-//! Whether a value of one type can stand where another is wanted, and what two have in common.
+//! Assignability of types, and the join of two types.
 
 use super::{Geometry, Member, StructTy, Ty};
 use crate::units::Dim;
@@ -6,45 +6,45 @@ use rpi_syntax::Name;
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
-/// What the free names of a signature stand for in one call: types and frames.
+/// Bindings of the free names of a signature in one call: types and frames.
 #[derive(Clone, Default, Debug)]
 pub struct Subst {
     /// Static parameters that are types.
     pub types: BTreeMap<Name, Ty>,
-    /// Frames that the signature names and no declaration does.
+    /// Frames that the signature names but no declaration does; none if not bound yet.
     pub frames: BTreeMap<Name, Option<Name>>,
 }
 
-/// Why a type does not fit.
+/// Reason for a type mismatch.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Misfit {
-    /// Different kinds of values.
+    /// Different kinds of types.
     Kind,
     /// Reals of different dimensions.
     Dimension {
-        /// What is wanted.
+        /// Expected dimension.
         expected: Dim,
-        /// What is there.
+        /// Dimension found.
         found: Dim,
     },
-    /// Spatial values in frames that are not the same.
+    /// Spatial values in different frames.
     Frame {
-        /// The frame wanted.
+        /// Expected frame.
         expected: Name,
-        /// The frame there.
+        /// Frame found.
         found: Name,
     },
     /// Arrays of different sizes.
     Size {
-        /// Elements wanted.
+        /// Expected number of elements.
         expected: u32,
-        /// Elements there.
+        /// Number of elements found.
         found: u32,
     },
 }
 
 impl Misfit {
-    /// The same with what is wanted and what is there exchanged.
+    /// Returns the mismatch with expected and found exchanged.
     #[must_use]
     pub fn turned(self) -> Misfit {
         match self {
@@ -65,10 +65,10 @@ impl Misfit {
     }
 }
 
-/// Checks that `found` can stand where `expected` is wanted; free names of `expected` are bound in `subst`.
+/// Checks that `found` is assignable to `expected`. Free names of `expected` are bound in `subst`.
 ///
 /// # Errors
-/// Says in which way it does not fit.
+/// Returns the reason for the mismatch.
 pub fn fit(expected: &Ty, found: &Ty, subst: &mut Subst) -> Result<(), Misfit> {
     match (expected, found) {
         (Ty::Unknown, _) | (_, Ty::Unknown) => Ok(()),
@@ -95,19 +95,21 @@ pub fn fit(expected: &Ty, found: &Ty, subst: &mut Subst) -> Result<(), Misfit> {
     }
 }
 
-/// Whether a type is made of the same declaration as another one whose parameters are still open.
+/// Returns whether a struct type is an instance of the generic declaration of another one whose parameters are not
+/// bound.
 fn is_instance(closed: &StructTy, open: &StructTy) -> bool {
     open.fields.iter().any(|field| field.ty.is_open()) && declared(closed) == declared(open)
 }
 
-/// The name of its declaration, without arguments.
+/// Name of the struct's declaration, without static arguments.
 fn declared(of: &StructTy) -> Option<&str> {
     of.name.split("<<").next()
 }
 
 fn fit_generic(name: &Name, found: &Ty, subst: &mut Subst) -> Result<(), Misfit> {
     match subst.types.get(name).cloned() {
-        // Free names in what was found are the caller's, whatever they are called: what is bound here is not meant by them.
+        // Free names in `found` belong to the caller, even if they have the same name as a parameter here. So they are
+        // not bound in `subst`.
         Some(bound) => fit(&bound, found, &mut Subst::default()),
         None => {
             subst.types.insert(name.clone(), found.clone().widened());
@@ -156,9 +158,10 @@ fn fit_frame(
     }
 }
 
-/// Lists are flat: `(a, (b, c))` has the leaves of `(a, b, c)`, in the same order.
+/// Tuples are flat: `(a, (b, c))` has the same leaves in the same order as `(a, b, c)`.
 fn fit_tuples(expected: &[Member], found: &[Member], subst: &mut Subst) -> Result<(), Misfit> {
     if expected.len() == found.len() {
+        // The flattened comparison below must start without the bindings of a failed attempt.
         let mut tried = subst.clone();
         let fits = fit_members(expected, found, &mut tried);
         let is_nested = |members: &[Member]| members.iter().any(|m| matches!(m.ty, Ty::Tuple(_)));
@@ -194,10 +197,10 @@ fn fit_members(expected: &[Member], found: &[Member], subst: &mut Subst) -> Resu
     pairs.try_for_each(|(a, b)| fit(&a.ty, &b.ty, subst))
 }
 
-/// What is known if a value has both types: the parts that one leaves open are taken from the other.
+/// Returns the type of a value that has both types. Parts unknown in one type are taken from the other.
 ///
 /// # Errors
-/// If they do not fit together.
+/// Returns the reason if the types do not match.
 pub fn join(a: &Ty, b: &Ty) -> Result<Ty, Misfit> {
     fit(a, b, &mut Subst::default())?;
     Ok(match (a, b) {
@@ -218,7 +221,7 @@ pub fn join(a: &Ty, b: &Ty) -> Result<Ty, Misfit> {
     })
 }
 
-/// Of two dimensions that meet the one that says more: angles win over plain numbers.
+/// Returns the more specific of two compatible dimensions: an angle rather than a plain number.
 fn join_dim(a: Dim, b: Dim) -> Dim {
     match a == Dim::ONE {
         true => b,
@@ -235,7 +238,7 @@ fn join_geometry(a: &Geometry, b: &Geometry) -> Geometry {
 }
 
 impl Ty {
-    /// The type with the free names of a signature replaced by what they stand for.
+    /// Returns the type with the free names of a signature replaced by their bindings.
     #[must_use]
     pub fn substituted(&self, subst: &Subst) -> Ty {
         let members = |members: &[Member]| -> Vec<Member> {

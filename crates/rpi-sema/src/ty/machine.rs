@@ -1,4 +1,4 @@
-//! Machine integers of Kind 2: so many bits, with or without sign, whose results wrap around.
+//! Machine integers of Kind 2: a fixed number of bits, signed or unsigned, with wrap-around arithmetic.
 
 use std::fmt;
 
@@ -7,15 +7,15 @@ use std::fmt;
 pub struct MachineInt {
     /// Number of bits, from 1 to 64.
     pub bits: u8,
-    /// Whether values have a sign.
+    /// Whether the type is signed.
     pub signed: bool,
 }
 
 impl MachineInt {
-    /// The most bits that a value may have here.
+    /// Greatest number of bits.
     pub const MOST: i64 = 64;
 
-    /// `sint<N>` or `uint<N>`; none for more bits than there are.
+    /// Creates the type `sint<N>` or `uint<N>`; none if the number of bits is out of range.
     #[must_use]
     pub fn new(signed: bool, bits: i64) -> Option<MachineInt> {
         let bits = u8::try_from(bits).ok()?;
@@ -23,7 +23,7 @@ impl MachineInt {
         is_some.then_some(MachineInt { bits, signed })
     }
 
-    /// `int8`, `uint64`
+    /// Returns the type with a common name, `int8`, `uint64`.
     #[must_use]
     pub fn named(name: &str) -> Option<MachineInt> {
         let (signed, bits) = match name.strip_prefix("uint") {
@@ -34,7 +34,7 @@ impl MachineInt {
         Some(MachineInt { bits, signed })
     }
 
-    /// As the primitives take it: the bits, negative for integers with a sign.
+    /// Returns the width as the primitives expect it: the number of bits, negative for a signed type.
     #[must_use]
     pub fn width(self) -> i64 {
         match self.signed {
@@ -43,7 +43,7 @@ impl MachineInt {
         }
     }
 
-    /// The operator that converts to it: `int8`, `sint@<25>`.
+    /// Name of the conversion operator: `int8`, `sint@<25>`.
     #[must_use]
     pub fn conversion(self) -> String {
         self.to_string().replace('<', "@<")

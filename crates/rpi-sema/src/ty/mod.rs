@@ -1,7 +1,7 @@
-//! Types of flows: what a value is, without whether it is present.
+//! Types of flows, without their presence.
 //!
-//! Composite types are exploded into their [leaves](Ty::leaves) when a program becomes a net; nothing after the
-//! elaboration knows of them. This module must not know syntax.
+//! Composite types are split into their [leaves](Ty::leaves) when a program is elaborated to a net. Nothing after the
+//! elaboration knows composite types. This module must not know syntax.
 
 mod fit;
 mod machine;
@@ -17,69 +17,69 @@ use rpi_image::{Scalar, Value};
 use rpi_syntax::Name;
 use std::rc::Rc;
 
-/// The type of a flow, a constant or a port.
+/// Type of a flow, a constant or a port.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Ty {
-    /// Not known, after a fault or for `none`: fits everything, so that one fault gives one message.
+    /// Unknown type, after an error or for `none`. It matches every type, so that one error causes one message.
     Unknown,
-    /// Truth value.
+    /// Boolean.
     Bool,
-    /// 64-bit integer.
+    /// 64-bit signed integer.
     Int,
-    /// Machine integer of Kind 2, in Lustre only.
+    /// Machine integer of Kind 2, only in Lustre.
     Machine(MachineInt),
-    /// `subrange [0, 7] of int`: what is declared so. The value of an expression is an `int`.
+    /// `subrange [0, 7] of int`. Only declarations have this type: an expression that reads such a flow is an `int`.
     Subrange(Subrange),
-    /// IEEE double of a dimension, in coherent SI units.
+    /// IEEE 754 double with a dimension, in coherent SI units.
     Real(Dim),
     /// Point in time.
     Time,
-    /// Exact time, `time`: a count of ticks.
+    /// Duration `time`, a number of ticks.
     Duration,
-    /// Text: parameters only.
+    /// Text, only for parameters.
     Text,
-    /// `Vector`, `Rotation`, `Pose`, `Twist`, `Wrench` with what is known of its geometry.
+    /// `Vector`, `Rotation`, `Pose`, `Twist` or `Wrench`, with its known geometry.
     Spatial(Scalar, Rc<Geometry>),
-    /// One of several named values.
+    /// Enum.
     Enum(Rc<EnumTy>),
-    /// Named fields.
+    /// Struct.
     Struct(Rc<StructTy>),
-    /// So many elements.
+    /// Array with its number of elements.
     Array(Rc<Ty>, u32),
-    /// What a call with several out-ports gives; out-ports have names, elements of `(x, y)` have none.
+    /// Tuple, or the results of a call with several outputs. Outputs have names, elements of `(x, y)` have none.
     Tuple(Rc<[Member]>),
-    /// A device that a command names.
+    /// Device, as a parameter of a command.
     Device(Rc<DeviceTy>),
-    /// How a command ended: the value of `predecessor`.
+    /// Result of a command, the type of `predecessor`.
     Result,
-    /// A static parameter that is a type, before it is known.
+    /// Static type parameter that is not bound yet.
     Generic(Name),
 }
 
-/// What is known of a spatial value. Unknown parts meet everything.
+/// Known geometry of a spatial value. An unknown part matches everything.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct Geometry {
     /// Dimension of a vector's components.
     pub dim: Option<Dim>,
-    /// The frame that is located or that moves.
+    /// Frame that is located or that moves.
     pub of: Option<Name>,
-    /// The frame in which it is given.
+    /// Frame of reference.
     pub in_frame: Option<Name>,
 }
 
-/// An enum.
+/// Enum type.
 #[derive(PartialEq, Eq, Debug)]
 pub struct EnumTy {
-    /// Its name.
+    /// Name of the enum.
     pub name: Name,
-    /// Its values in text order.
+    /// Values in text order.
     pub values: Vec<Name>,
-    /// Their places, by name.
+    /// Indices of the values, sorted by name.
     by_name: Vec<u32>,
 }
 
 impl EnumTy {
-    /// An enum with these values.
+    /// Creates an enum with these values.
     #[must_use]
     pub fn new(name: Name, values: Vec<Name>) -> EnumTy {
         let mut by_name: Vec<u32> = (0..).take(values.len()).collect();
@@ -91,7 +91,7 @@ impl EnumTy {
         }
     }
 
-    /// The place of a value: the number that stands for it.
+    /// Returns the index of a value, which represents it at run time.
     #[must_use]
     pub fn place_of(&self, value: &str) -> Option<u32> {
         let name = |place: &u32| self.values[*place as usize].as_str();
@@ -101,54 +101,54 @@ impl EnumTy {
     }
 }
 
-/// A struct with its static parameters resolved.
+/// Struct type with its static parameters bound.
 #[derive(PartialEq, Debug)]
 pub struct StructTy {
-    /// Its name.
+    /// Name of the struct.
     pub name: Name,
-    /// Its fields in text order.
+    /// Fields in text order.
     pub fields: Vec<Member>,
-    /// What a field is where a value leaves it out, leaf by leaf.
+    /// Default of each field, leaf by leaf; none for a field without a default.
     pub defaults: Vec<Option<Rc<[Value]>>>,
 }
 
-/// A field of a struct, or an element of a tuple.
+/// Field of a struct, or element of a tuple.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Member {
-    /// The name; none for an element of `(x, y)`.
+    /// Name; none for an element of `(x, y)`.
     pub name: Option<Name>,
-    /// The type.
+    /// Type.
     pub ty: Ty,
 }
 
-/// A device type with its static parameters resolved.
+/// Device type with its static parameters bound.
 #[derive(PartialEq, Debug)]
 pub struct DeviceTy {
-    /// Its name.
+    /// Name of the device type.
     pub name: Name,
-    /// Its ports in text order.
+    /// Ports in text order.
     pub ports: Vec<DevicePortTy>,
-    /// Frames that its ports name and no declaration does: each device has its own.
+    /// Frames that its ports name but no declaration does. Each device has its own frames of these names.
     pub frames: Vec<Name>,
 }
 
-/// A port of a device type.
+/// Port of a device type.
 #[derive(PartialEq, Debug)]
 pub struct DevicePortTy {
-    /// The name.
+    /// Name of the port.
     pub name: Name,
-    /// What it carries; none if its size is known only with the cell.
+    /// Type of the port; none if its size is known only with the robot cell.
     pub ty: Option<Ty>,
-    /// Whether it may have no sample in a cycle.
+    /// Whether the port may have no sample in a cycle.
     pub optional: bool,
-    /// Whether it is written.
+    /// Whether the port is an actuator port, which is written.
     pub is_actuator: bool,
-    /// Which actuator of the device it belongs to: ports with the same number exclude one another.
+    /// Index of the actuator. Ports with the same actuator exclude one another.
     pub actuator: u32,
 }
 
 impl DeviceTy {
-    /// The port of this name.
+    /// Returns the port with this name.
     #[must_use]
     pub fn port(&self, name: &str) -> Option<&DevicePortTy> {
         self.ports.iter().find(|port| port.name == name)
@@ -156,29 +156,29 @@ impl DeviceTy {
 }
 
 impl Ty {
-    /// A plain number.
+    /// Dimensionless real.
     pub const REAL: Ty = Ty::Real(Dim::ONE);
 
-    /// A spatial type of which nothing more is known.
+    /// Spatial type with unknown geometry.
     #[must_use]
     pub fn spatial(scalar: Scalar) -> Ty {
         Ty::Spatial(scalar, Rc::default())
     }
 
-    /// A tuple of unnamed elements.
+    /// Tuple of unnamed elements.
     #[must_use]
     pub fn tuple(elements: impl IntoIterator<Item = Ty>) -> Ty {
         let member = |ty| Member { name: None, ty };
         Ty::Tuple(elements.into_iter().map(member).collect())
     }
 
-    /// Whether nothing is known of it.
+    /// Returns whether the type is unknown.
     #[must_use]
     pub fn is_unknown(&self) -> bool {
         matches!(self, Ty::Unknown)
     }
 
-    /// Whether some part of it is not known.
+    /// Returns whether the type or a part of it is unknown.
     #[must_use]
     pub fn has_unknown(&self) -> bool {
         match self {
@@ -188,7 +188,7 @@ impl Ty {
         }
     }
 
-    /// Whether a type parameter stands in it.
+    /// Returns whether the type contains an unbound type parameter.
     #[must_use]
     pub fn is_open(&self) -> bool {
         match self {
@@ -198,7 +198,7 @@ impl Ty {
         }
     }
 
-    /// Fields of a struct, elements of a tuple.
+    /// Returns the fields of a struct or the elements of a tuple; empty for other types.
     #[must_use]
     pub fn members(&self) -> &[Member] {
         match self {
@@ -208,7 +208,7 @@ impl Ty {
         }
     }
 
-    /// The machine type of a value that is carried by one link.
+    /// Returns the machine type of a type with a single leaf; none for other types.
     #[must_use]
     pub fn scalar(&self) -> Option<Scalar> {
         Some(match self {
@@ -222,7 +222,7 @@ impl Ty {
         })
     }
 
-    /// Number of links that carry a value of this type.
+    /// Number of leaves of the type, each carried by one link of the net.
     #[must_use]
     pub fn leaf_count(&self) -> usize {
         match self {
@@ -241,7 +241,7 @@ impl Ty {
         self.leaves_below(&mut String::new(), visit);
     }
 
-    /// The path of the part that begins at a leaf and has so many: `[2].x`, `[1..3]`.
+    /// Returns the path of the part with `count` leaves from leaf `at` on: `[2].x`, `[1..3]`.
     #[must_use]
     pub fn path_of(&self, mut at: usize, count: usize) -> String {
         let (mut ty, mut path) = (self, String::new());
@@ -271,7 +271,7 @@ impl Ty {
         path
     }
 
-    /// The member that a leaf belongs to, and its first leaf.
+    /// Returns the member that contains a leaf, and the index of that member's first leaf.
     fn member_at(&self, at: usize) -> Option<(&Member, usize)> {
         let mut first = 0;
         self.members().iter().find_map(|member| {

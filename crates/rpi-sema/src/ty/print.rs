@@ -1,4 +1,4 @@
-//! Types as the language writes them.
+//! Formats types in source syntax.
 
 use super::{Geometry, Member, Ty};
 use crate::units::Dim;

@@ -1,46 +1,46 @@
-//! Subranges of `int`: the values that a flow may have by its declaration.
+//! Subranges of `int`: the range of values that a declaration allows.
 
 use super::{Member, Ty};
 use std::fmt;
 use std::rc::Rc;
 
-/// `[from, to]`, ends included; `*` where an end is open.
+/// Range `[from, to]` with inclusive bounds, written `*` if unbounded.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Subrange {
-    /// The least value; none: any.
+    /// Least value; none if unbounded.
     pub from: Option<i64>,
-    /// The greatest value; none: any.
+    /// Greatest value; none if unbounded.
     pub to: Option<i64>,
 }
 
 impl Subrange {
-    /// The least and the greatest value.
+    /// Returns the least and the greatest value.
     #[must_use]
     pub fn bounds(self) -> [i64; 2] {
         [self.from.unwrap_or(i64::MIN), self.to.unwrap_or(i64::MAX)]
     }
 
-    /// Whether it has no value at all.
+    /// Returns whether the range contains no value.
     #[must_use]
     pub fn is_empty(self) -> bool {
         let [from, to] = self.bounds();
         from > to
     }
 
-    /// The value in it that is nearest to one.
+    /// Returns the value in the range that is nearest to `value`.
     #[must_use]
     pub fn nearest(self, value: i64) -> i64 {
         let [from, to] = self.bounds();
         value.min(to).max(from)
     }
 
-    /// Whether all of its values lie in another.
+    /// Returns whether `other` contains all values of this range.
     #[must_use]
     pub fn is_within(self, other: Subrange) -> bool {
         self.bounds().into_iter().all(|end| other.contains(end))
     }
 
-    /// Whether a value lies in it.
+    /// Returns whether the range contains a value.
     #[must_use]
     pub fn contains(self, value: i64) -> bool {
         let [from, to] = self.bounds();
@@ -56,8 +56,8 @@ impl fmt::Display for Subrange {
 }
 
 impl Ty {
-    /// The type of an expression that reads something so declared: any `int` for a subrange. Fields of structs keep theirs,
-    /// for whoever makes a struct keeps them.
+    /// Returns the type of an expression that reads a flow of this type: `int` for a subrange. Fields of structs keep
+    /// their subranges, which are checked where a struct is built.
     #[must_use]
     pub fn widened(self) -> Ty {
         match self {
@@ -76,7 +76,7 @@ impl Ty {
         }
     }
 
-    /// Whether there is a subrange in it, outside of structs.
+    /// Returns whether the type contains a subrange outside structs.
     fn is_narrow(&self) -> bool {
         match self {
             Ty::Subrange(_) => true,
@@ -86,8 +86,8 @@ impl Ty {
         }
     }
 
-    /// The leaves that are declared as subranges, by their places. Those of structs within it have been checked where the
-    /// structs were made; they count only if the value comes from `outside`.
+    /// Returns the leaves with a subrange type, by index. Fields of structs are checked where the struct is built, so
+    /// they are included only if the value comes from `outside`.
     #[must_use]
     pub fn subranges(&self, outside: bool) -> Vec<(usize, Subrange)> {
         let mut found = Vec::new();

@@ -1,68 +1,68 @@
-//! Flows: what they are for, and when they are there.
+//! Flows, with their roles and clocks.
 
 use super::{BlockId, ExprId, FlowId};
 use crate::ty::Ty;
 use rpi_diag::Span;
 use rpi_syntax::Name;
 
-/// What a flow is for.
+/// Role of a flow.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum FlowRole {
-    /// A value or device fixed when the command is loaded.
+    /// Value or device that is fixed when the command is loaded.
     Param,
-    /// An in-port.
+    /// Input.
     Input,
-    /// Taken over from the predecessor.
+    /// Value taken over from the preceding command.
     Given,
-    /// An out-port.
+    /// Output.
     Output,
-    /// None of these.
+    /// Local flow.
     Local,
 }
 
 impl FlowRole {
-    /// Whether equations of the unit define such a flow.
+    /// Returns whether the unit defines flows of this role by equations.
     #[must_use]
     pub fn has_equation(self) -> bool {
         matches!(self, FlowRole::Output | FlowRole::Local)
     }
 }
 
-/// When a flow or port can be absent.
+/// Declared or inferred presence of a flow.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Optional {
-    /// As declared.
+    /// Declared; `true` if the flow may be absent.
     Declared(bool),
-    /// Found out from its equation.
+    /// Inferred from the flow's equation.
     Inferred,
 }
 
-/// A flow.
+/// Flow of a unit.
 #[derive(Clone, Debug)]
 pub struct Flow {
-    /// Its name.
+    /// Name of the flow.
     pub name: Name,
-    /// Its type.
+    /// Type of the flow.
     pub ty: Ty,
-    /// Whether it may be absent.
+    /// Whether the flow may be absent.
     pub optional: Optional,
-    /// What it is for.
+    /// Role of the flow.
     pub role: FlowRole,
-    /// The block it belongs to.
+    /// Block that contains the flow.
     pub block: BlockId,
-    /// The clock that its declaration states.
+    /// Declared clock; none if there is no clock declaration.
     pub clock: Option<ClockOn>,
-    /// What a port is where the caller gives nothing.
+    /// Default of an input; none if the caller must give an argument.
     pub default: Option<ExprId>,
-    /// Where it is declared.
+    /// Span of the name in the declaration.
     pub span: Span,
 }
 
-/// A clock: the cycles in which a flow has one of the values.
+/// Declared clock: the cycles in which a flow has a given value.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub struct ClockOn {
-    /// The flow that decides.
+    /// Flow that decides about the clock.
     pub flow: FlowId,
-    /// The value: 0 or 1 for a Boolean, the place of an enum's value.
+    /// Value of the flow: 0 or 1 for a Boolean, the index of an enum's value.
     pub value: u32,
 }

@@ -1,8 +1,8 @@
-//! The typed program: every name resolved, every expression with its type, every operator a primitive.
+//! Typed program: every name resolved, every expression typed, every operator a primitive.
 //!
 //! A [`Unit`] is one callable for one choice of static arguments, or a command. Units are checked once and inlined by
-//! the elaboration wherever they are called. Expressions lie in one table per unit and are referred to by index, so
-//! that passes keep what they find out in tables of their own beside it. This form must not know syntax or memory.
+//! the elaboration at every call. Expressions are stored in one table per unit and referred to by index, so that passes
+//! can keep their results in tables beside it. This form must not know syntax or memory.
 
 mod flow;
 mod parts;
@@ -35,365 +35,365 @@ pub struct FlowId(pub u32);
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub struct ExprId(pub u32);
 
-/// Index of a block in [`Unit::blocks`]; 0 is the body itself.
+/// Index of a block in [`Unit::blocks`]; 0 is the body of the unit.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub struct BlockId(pub u32);
 
 impl BlockId {
-    /// The body itself.
+    /// Body of the unit.
     pub const ROOT: BlockId = BlockId(0);
 }
 
-/// What a unit is.
+/// Kind of a unit.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum UnitKind {
-    /// It has no state and is inlined; absent arguments make its results absent.
+    /// Function: has no state and is inlined. Absent arguments make its results absent.
     Function,
-    /// It is inlined, its state belongs to the caller's fragment.
+    /// Node: inlined, with its state in the caller's fragment.
     Node,
-    /// A net of its own: one vertex in its caller.
+    /// Fragment: a net of its own, one vertex in its caller.
     Fragment,
-    /// The root of a net.
+    /// Command: the root of a net.
     Command,
-    /// The root of a net whose claims are watched from outside.
+    /// Test: the root of a net whose claims are observed from outside.
     Test,
-    /// Which command follows which.
+    /// Task: a sequence of commands.
     Task,
-    /// An expression at the top of a module, or in a type.
+    /// Constant: an expression at the top level of a module, or in a type.
     Constant,
 }
 
 impl UnitKind {
-    /// Whether it is run and never called.
+    /// Returns whether units of this kind are run rather than called.
     #[must_use]
     pub fn is_root(self) -> bool {
         matches!(self, UnitKind::Command | UnitKind::Test | UnitKind::Task)
     }
 }
 
-/// A callable for one choice of static arguments.
+/// Callable for one choice of static arguments.
 #[derive(Clone, Debug)]
 pub struct Unit {
-    /// Its name with the static arguments that were chosen.
+    /// Name, with the chosen static arguments.
     pub name: Name,
-    /// What it is.
+    /// Kind of the unit.
     pub kind: UnitKind,
-    /// Where its name stands.
+    /// Span of the name in the declaration.
     pub span: Span,
-    /// All its flows, ports included.
+    /// All flows, ports included.
     pub flows: Vec<Flow>,
-    /// What a caller gives, in order: values fixed at load time, then in-ports, then what is taken over.
+    /// Values from the caller, in order: those fixed at load time, then inputs, then those taken over.
     pub inputs: Vec<FlowId>,
-    /// What a caller gets.
+    /// Outputs.
     pub outputs: Vec<FlowId>,
-    /// Its expressions.
+    /// Expressions. Operands precede the expressions that use them.
     pub exprs: Vec<Expr>,
-    /// Conditions of its `if`s that static parameters tell: for another choice of these they may be others. In order.
+    /// Conditions of `if` that depend on static parameters, in ascending order. Other arguments may choose otherwise.
     pub chosen: Vec<ExprId>,
-    /// Its body and the fragments and states in it, parents first.
+    /// Body, fragments in place, and states; parents first.
     pub blocks: Vec<Block>,
-    /// Whether it samples flows (`when`, `merge`, `current`).
+    /// Whether the unit samples flows (`when`, `merge`, `current`).
     pub has_clocks: bool,
-    /// Whether it remembers earlier cycles.
+    /// Whether the unit has state.
     pub has_state: bool,
-    /// Whether its text is Lustre, where `current` is a plain value.
+    /// Whether the source is Lustre, where `current` is never optional.
     pub is_lustre: bool,
-    /// Frames that the signature names and no declaration does: each stands for the frame of the argument.
+    /// Frames that the signature names but no declaration does. Each stands for the frame of an argument.
     pub free_frames: Vec<Name>,
-    /// What the steps of a task run.
+    /// Steps of a task, by what they run.
     pub steps: Vec<TaskStep>,
-    /// How often a task repeats something, with the place of the number.
+    /// Repetition counts of a task, each with the span of the number.
     pub counts: Vec<(Span, ExprId)>,
 }
 
-/// The body, a fragment in place, or a state of an automaton.
+/// Body, fragment in place, or state of an automaton.
 #[derive(Clone, Debug)]
 pub struct Block {
-    /// Its name; empty for the body.
+    /// Name; empty for the body.
     pub name: Name,
-    /// The block around it; none for the body.
+    /// Enclosing block; none for the body.
     pub parent: Option<BlockId>,
-    /// When it is active; none: whenever its parent is.
+    /// Condition of activation; none if the block is active whenever its parent is.
     pub when: Option<ExprId>,
-    /// Whether it starts afresh when it becomes active again.
+    /// Whether the state of the block restarts on each activation.
     pub restart: bool,
-    /// Stated budget in nanoseconds.
+    /// Declared execution time budget in nanoseconds.
     pub budget_ns: Option<u64>,
-    /// Whether it is a contract: nothing outside reads it, and it may be left out.
+    /// Whether the block is a contract. Nothing outside reads a contract, and it may be left out.
     pub is_contract: bool,
-    /// Its equations, in text order.
+    /// Equations in text order.
     pub equations: Vec<Equation>,
-    /// Conditions that are claimed to hold.
+    /// Claims: conditions stated to hold.
     pub claims: Vec<Claim>,
-    /// How the command can end.
+    /// Results with which the command can end.
     pub ends: Vec<End>,
-    /// What is made visible.
+    /// Exported flows.
     pub exports: Vec<Export>,
-    /// Its state machines.
+    /// Automata in the block.
     pub automata: Vec<Automaton>,
-    /// Where it stands.
+    /// Span of the block.
     pub span: Span,
 }
 
 /// `x, arm.tcp = e`
 #[derive(Clone, Debug)]
 pub struct Equation {
-    /// What is defined, in order; together they take up all leaves of the value.
+    /// Targets in order. Together they cover all leaves of the value.
     pub targets: Vec<Target>,
-    /// By what.
+    /// Defining expression.
     pub value: ExprId,
-    /// All of it.
+    /// Span of the whole equation.
     pub span: Span,
 }
 
-/// Something that an equation defines.
+/// Target of an equation.
 #[derive(Clone, Debug)]
 pub struct Target {
-    /// What.
+    /// Flow or port that is defined.
     pub place: Place,
-    /// Its type.
+    /// Type of the target.
     pub ty: Ty,
-    /// Where it stands.
+    /// Span of the target.
     pub span: Span,
 }
 
-/// Where the value of an equation goes.
+/// Destination of an equation's value.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Place {
     /// Leaves of a flow, from `at` on.
     Flow {
-        /// The flow.
+        /// Flow.
         flow: FlowId,
-        /// The first leaf.
+        /// Index of the first leaf.
         at: u32,
     },
-    /// An actuator port of a device.
+    /// Actuator port of a device.
     Port {
-        /// The device.
+        /// Device.
         device: FlowId,
-        /// Index of the port in its type.
+        /// Index of the port in the device type.
         port: u32,
     },
-    /// Nowhere, after a fault or for `_`.
+    /// No destination: after an error, or for `_`.
     Nowhere,
 }
 
-/// A condition that is claimed to hold in every cycle.
+/// Condition that is stated to hold in every cycle.
 #[derive(Clone, Debug)]
 pub struct Claim {
-    /// By whom it must hold.
+    /// Kind of the claim, which says who must ensure it.
     pub kind: ClaimKind,
-    /// The condition.
+    /// Condition.
     pub condition: ExprId,
-    /// The mode of the contract whose `ensure` it is; the condition then says `require => ensure`.
+    /// Mode of the contract, for an `ensure`. The condition is then `require => ensure`.
     pub mode: Option<Name>,
-    /// What it is about, in words.
+    /// Label in the source.
     pub label: Option<Name>,
-    /// Where it stands.
+    /// Span of the claim.
     pub span: Span,
 }
 
 /// `finish result when condition`
 #[derive(Clone, Debug)]
 pub struct End {
-    /// How.
+    /// Kind of the end.
     pub kind: rpi_syntax::ast::EndKind,
-    /// The result's name.
+    /// Name of the result.
     pub result: Name,
-    /// When.
+    /// Condition under which the command ends.
     pub condition: ExprId,
-    /// Where it stands.
+    /// Span of the statement.
     pub span: Span,
 }
 
-/// A flow that is made visible.
+/// Exported flow.
 #[derive(Clone, Debug)]
 pub struct Export {
-    /// Its key.
+    /// Key of the export.
     pub key: String,
-    /// The flow.
+    /// Exported expression.
     pub value: ExprId,
-    /// Where it stands.
+    /// Span of the export.
     pub span: Span,
 }
 
-/// A state machine. Its states are blocks.
+/// Automaton, whose states are blocks.
 #[derive(Clone, Debug)]
 pub struct Automaton {
-    /// The states; the first named is not always the initial one.
+    /// States in text order. The first one need not be the initial one.
     pub states: Vec<State>,
     /// Index of the initial state.
     pub initial: u32,
-    /// Flows that its states define, each with the flow of every state that defines it.
+    /// Flows that the states define together.
     pub shared: Vec<Shared>,
-    /// Where it stands.
+    /// Span of the automaton.
     pub span: Span,
 }
 
-/// A state.
+/// State of an automaton.
 #[derive(Clone, Debug)]
 pub struct State {
-    /// What runs in it; its conditions stand there, too.
+    /// Block of the state. The conditions of its weak transitions are evaluated in it.
     pub block: BlockId,
-    /// Strong transitions, decided before it runs.
+    /// Strong transitions, taken before the state runs.
     pub unless: Vec<Transition>,
-    /// Weak transitions, which act in the next cycle.
+    /// Weak transitions, which take effect in the next cycle.
     pub until: Vec<Transition>,
 }
 
-/// A transition.
+/// Transition between states.
 #[derive(Clone, Debug)]
 pub struct Transition {
-    /// When; none for `otherwise`.
+    /// Condition; none for `otherwise`.
     pub condition: Option<ExprId>,
-    /// Whether the target resumes its state.
+    /// Whether the target state resumes instead of restarting.
     pub resumes: bool,
-    /// Index of the next state.
+    /// Index of the target state.
     pub target: u32,
-    /// All of it.
+    /// Span of the transition.
     pub span: Span,
 }
 
-/// A flow that several states define.
+/// Flow that several states define.
 #[derive(Clone, Debug)]
 pub struct Shared {
-    /// The flow as it is seen from outside.
+    /// Flow as read outside the automaton.
     pub flow: FlowId,
-    /// The flow inside each state that defines it, in the order of the states.
+    /// Flow inside each state that defines it, in the order of the states.
     pub states: Vec<FlowId>,
-    /// States that may be active and do not define it: some of them if there are many.
+    /// States that may be active and do not define the flow. Truncated if there are many.
     pub missing: Vec<BlockId>,
-    /// What the flow is in states that do not define it: the flow of an equation beside the automaton. Without one it is
-    /// absent there.
+    /// Flow of an equation beside the automaton, used in states that do not define the flow. Without a default the flow
+    /// is absent there.
     pub default: Option<FlowId>,
 }
 
 impl Shared {
-    /// All flows that contribute: those of the states, then the default.
+    /// Iterates over the flows that contribute: those of the states, then the default.
     pub fn contributions(&self) -> impl Iterator<Item = FlowId> + '_ {
         self.states.iter().copied().chain(self.default)
     }
 
-    /// Whether the flow may be absent because an active state does not define it.
+    /// Returns whether the flow may be absent because an active state does not define it.
     #[must_use]
     pub fn is_left_open(&self) -> bool {
         self.default.is_none() && !self.missing.is_empty()
     }
 }
 
-/// An expression.
+/// Expression of a unit.
 #[derive(Clone, Debug)]
 pub struct Expr {
-    /// What it is.
+    /// Kind of the expression, with its operands.
     pub kind: Kind,
-    /// Its type.
+    /// Type.
     pub ty: Ty,
-    /// Where it stands.
+    /// Span of the expression.
     pub span: Span,
 }
 
-/// A leaf of a constant: a value or a text.
+/// Leaf of a constant: a value or a text.
 pub type Leaf = Value;
 
-/// The kinds of expressions.
+/// Kind of an expression, with its operands.
 #[derive(Clone, Debug)]
 pub enum Kind {
-    /// A fault that has been reported.
+    /// Error that has been reported.
     Fault,
-    /// A constant, leaf by leaf.
+    /// Constant, leaf by leaf.
     Const(Rc<[Leaf]>),
-    /// A literal of one leaf.
+    /// Literal with a single leaf.
     Literal(Leaf),
     /// `none`
     None,
-    /// A value that the program leaves open.
+    /// Arbitrary value, which the program leaves open.
     Outside,
-    /// A flow.
+    /// Read of a flow.
     Flow(FlowId),
-    /// A sensor or status port of a device.
+    /// Read of a sensor or status port of a device.
     Sensor {
-        /// The device.
+        /// Device.
         device: ExprId,
-        /// Index of the port in its type.
+        /// Index of the port in the device type.
         port: u32,
     },
-    /// A part of a composite value that lies at a fixed place: the leaves from `at` on.
+    /// Part of a composite value at a constant position: the leaves from `at` on.
     Part {
-        /// The composite.
+        /// Composite value.
         base: ExprId,
-        /// First leaf.
+        /// Index of the first leaf.
         at: u32,
     },
-    /// Elements of an array at fixed distances.
+    /// Elements of an array with a constant step.
     Slice {
-        /// The array.
+        /// Array.
         base: ExprId,
-        /// First element.
+        /// Index of the first element.
         from: u32,
-        /// Distance.
+        /// Distance between elements; may be negative.
         step: i32,
     },
-    /// An element of an array whose place is computed.
+    /// Element of an array at a computed index.
     Select {
-        /// The array.
+        /// Array.
         base: ExprId,
-        /// Which element, from 0.
+        /// Index of the element, from 0.
         index: ExprId,
     },
-    /// A composite value of its parts: tuple, struct, array; an array's parts may be one part for all elements.
+    /// Tuple, struct or array, built from its parts.
     Build(Box<[ExprId]>),
-    /// An array of equal elements.
+    /// Array of equal elements.
     Repeat(ExprId),
-    /// A composite value with the leaves from `at` on replaced.
+    /// Composite value with the leaves from `at` on replaced.
     Replace {
-        /// The composite.
+        /// Composite value.
         base: ExprId,
-        /// First leaf.
+        /// Index of the first leaf.
         at: u32,
-        /// The new part.
+        /// Replacement.
         value: ExprId,
     },
-    /// An operator that works leaf by leaf.
+    /// Elementwise operator with its operands.
     Each(Each, Box<[ExprId]>),
-    /// `x = y`, `x <> y` on values of any type.
+    /// `x = y` or `x <> y` on values of any type.
     Equal {
-        /// The operands.
+        /// Operands.
         operands: [ExprId; 2],
-        /// Whether it asks for difference.
+        /// Whether the operator is `<>`.
         negated: bool,
     },
     /// `present(x)`
     Present(ExprId),
-    /// A registered primitive.
+    /// Call of a registered primitive.
     Prim(Box<PrimCall>),
-    /// A call of a unit.
+    /// Call of a unit.
     Call(Box<Call>),
     /// `x when c`
     When {
-        /// What is sampled.
+        /// Sampled expression.
         value: ExprId,
-        /// When.
+        /// Clock of the result.
         clock: ClockOn,
     },
-    /// `merge c (...)`: exactly one case is on at a time.
+    /// `merge c (...)`: exactly one case is present in each cycle.
     Merge {
-        /// The flow that chooses.
+        /// Deciding flow.
         on: ExprId,
-        /// The cases, by the chooser's value.
+        /// Cases, each with the value of the deciding flow.
         cases: Box<[(u32, ExprId)]>,
     },
     /// `current x`
     Current(ExprId),
 }
 
-/// Operators that work leaf by leaf, by one primitive per value type.
+/// Elementwise operator, implemented by one primitive per value type.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Each {
     /// `if c then x else y`
     If,
     /// `pre x`
     Pre,
-    /// `last x`: the delay stands where x is defined, not in the state that reads it
+    /// `last x`, a delay in the block that defines x, not in the state that reads it.
     Last,
     /// `x -> y`
     Arrow,
@@ -403,51 +403,51 @@ pub enum Each {
     Hold,
 }
 
-/// A registered primitive, called.
+/// Call of a registered primitive.
 #[derive(Clone, Debug)]
 pub struct PrimCall {
-    /// Which.
+    /// Called primitive.
     pub prim: PrimId,
-    /// What each in-port reads; none: open.
+    /// Arguments of the inputs; none for an open input.
     pub inputs: Box<[Option<ExprId>]>,
-    /// What each parameter is; none: its default. Constants once the command's parameters are known.
+    /// Values of the parameters; none for a default. Constant once the command's parameters are known.
     pub params: Box<[Option<ExprId>]>,
 }
 
-/// A call of a unit.
+/// Call of a unit.
 #[derive(Clone, Debug)]
 pub struct Call {
-    /// Which.
+    /// Called unit.
     pub unit: UnitId,
-    /// One per entry of [`Unit::inputs`]; none: the default.
+    /// One argument for each entry of [`Unit::inputs`]; none for a default.
     pub args: Box<[Option<ExprId>]>,
-    /// When it runs.
+    /// Activation of the call.
     pub activation: Activation,
 }
 
-/// When a called unit runs.
+/// Cycles in which a called unit runs.
 #[derive(Clone, Debug)]
 pub enum Activation {
-    /// Whenever the call is reached.
+    /// In every cycle in which the call is reached.
     Always,
-    /// When the condition holds; before the first time the default, then the value of the last time.
+    /// While the condition holds. Otherwise the result is that of the last run, or the default before the first run.
     Condact {
-        /// The condition.
+        /// Condition.
         every: ExprId,
-        /// The value before the first time.
+        /// Result before the first run.
         default: Option<ExprId>,
-        /// When its state starts afresh.
+        /// Condition under which the state restarts.
         restart: Option<ExprId>,
     },
-    /// Always, its state afresh when the condition holds.
+    /// In every cycle. The state restarts when the condition holds.
     Restart {
-        /// The condition.
+        /// Condition.
         every: ExprId,
     },
 }
 
 impl Unit {
-    /// For each leaf of the out-ports, in order, whether it may be absent in a cycle in which the unit runs.
+    /// Returns for each leaf of the outputs, in order, whether it may be absent in a cycle in which the unit runs.
     pub fn optional_leaves(&self) -> impl Iterator<Item = bool> + '_ {
         let outputs = self.outputs.iter().map(|flow| self.flow(*flow));
         outputs.flat_map(|flow| {
@@ -456,25 +456,25 @@ impl Unit {
         })
     }
 
-    /// The flow of this index.
+    /// Returns the flow with this index.
     #[must_use]
     pub fn flow(&self, id: FlowId) -> &Flow {
         &self.flows[id.0 as usize]
     }
 
-    /// The expression of this index.
+    /// Returns the expression with this index.
     #[must_use]
     pub fn expr(&self, id: ExprId) -> &Expr {
         &self.exprs[id.0 as usize]
     }
 
-    /// The block of this index.
+    /// Returns the block with this index.
     #[must_use]
     pub fn block(&self, id: BlockId) -> &Block {
         &self.blocks[id.0 as usize]
     }
 
-    /// A flow's name from outside of all blocks: behind those of the fragments in place and states around it.
+    /// Returns a flow's name qualified by the names of its enclosing blocks.
     #[must_use]
     pub fn path_of(&self, flow: FlowId) -> String {
         let flow = self.flow(flow);
@@ -489,7 +489,7 @@ impl Unit {
         path
     }
 
-    /// What a call of it gives: the out-port's type, or all of them by name.
+    /// Returns the type of a call's result: the type of the only output, or a tuple of all outputs by name.
     #[must_use]
     pub fn result(&self) -> Ty {
         if let [one] = self.outputs[..] {
@@ -502,7 +502,7 @@ impl Unit {
         Ty::Tuple(self.outputs.iter().map(member).collect())
     }
 
-    /// The device type of a flow, if it is a device.
+    /// Returns the device type of a flow; none if the flow is not a device.
     #[must_use]
     pub fn device(&self, id: FlowId) -> Option<&Rc<DeviceTy>> {
         match &self.flow(id).ty {
@@ -513,7 +513,7 @@ impl Unit {
 }
 
 impl Block {
-    /// A block without content.
+    /// Creates an empty block.
     #[must_use]
     pub fn new(name: Name, parent: Option<BlockId>, span: Span) -> Block {
         Block {
@@ -573,7 +573,7 @@ impl Kind {
 }
 
 impl Activation {
-    /// The value before the first run, if one is given.
+    /// Returns the result before the first run, if one is given.
     #[must_use]
     pub fn default(&self) -> Option<ExprId> {
         match self {

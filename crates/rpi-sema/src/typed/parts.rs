@@ -1,10 +1,11 @@
-//! Walks over what an expression is made of, each part once: names for parts of patterns stand for shared expressions, so
-//! that a short text may mean a tree without end.
+//! Traversal of an expression that visits each subexpression once. Names of pattern parts share subexpressions, so the
+//! expanded tree can be exponentially larger than the source.
 
 use super::{Expr, ExprId, Kind, Unit};
 use crate::hash::Set;
 
-/// A walk on its way: each part is given before its operands, and these only if the walk is told to enter it.
+/// State of a traversal. A part is returned before its operands, which are visited only if [`enter`](Parts::enter) is
+/// called.
 pub(crate) struct Parts<'u> {
     unit: &'u Unit,
     open: Vec<ExprId>,
@@ -12,7 +13,7 @@ pub(crate) struct Parts<'u> {
 }
 
 impl Unit {
-    /// A walk that begins at an expression.
+    /// Starts a traversal at an expression.
     pub(crate) fn parts(&self, root: ExprId) -> Parts<'_> {
         Parts {
             unit: self,
@@ -23,23 +24,24 @@ impl Unit {
 }
 
 impl<'u> Parts<'u> {
-    /// The next part.
+    /// Returns the next part.
     pub(crate) fn next(&mut self) -> Option<(ExprId, &'u Expr)> {
         let id = self.open.pop()?;
         Some((id, self.unit.expr(id)))
     }
 
-    /// Goes on to the operands of a part, unless it has been there.
+    /// Adds the operands of a part, unless they were added before.
     pub(crate) fn enter(&mut self, id: ExprId) {
         let before = self.open.len();
         let kind: &Kind = &self.unit.expr(id).kind;
         kind.operands(&mut |operand| self.open.push(operand));
+        // Expressions without operands are not recorded, which keeps the set small.
         if self.open.len() > before && !self.entered.insert(id) {
             self.open.truncate(before);
         }
     }
 
-    /// Goes on to something else.
+    /// Adds further roots.
     pub(crate) fn also(&mut self, roots: impl IntoIterator<Item = ExprId>) {
         self.open.extend(roots);
     }

@@ -1,9 +1,9 @@
-//! The typed program as text.
+//! Prints the typed program as text, for tests and debugging.
 
 use super::{Block, BlockId, Equation, ExprId, Kind, Optional, Place, Unit};
 use std::fmt::Write;
 
-/// Writes a unit: its flows with types, its equations with every operator as the primitive that it is.
+/// Formats a unit: its flows with types, and its equations with every operator as a primitive.
 #[must_use]
 pub fn print(unit: &Unit) -> String {
     let mut out = format!("{:?} {}\n", unit.kind, unit.name).to_lowercase();
@@ -57,7 +57,7 @@ fn print_equation(unit: &Unit, equation: &Equation) -> String {
     format!("{} = {}", targets.join(", "), expr(unit, equation.value))
 }
 
-/// An expression in prefix form.
+/// Formats an expression in prefix form.
 fn expr(unit: &Unit, id: ExprId) -> String {
     let kind = &unit.expr(id).kind;
     let head = match kind {

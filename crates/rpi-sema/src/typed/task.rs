@@ -1,33 +1,33 @@
-//! What is known of a task beside its parameters.
+//! Steps of tasks.
 
 use super::{ExprId, FlowId, UnitId};
 use crate::program::DeclId;
 use rpi_diag::Span;
 
-/// What a step of a task runs, and with what.
+/// Step of a task: the command or task that it runs, with arguments.
 #[derive(Clone, Debug)]
 pub struct TaskStep {
-    /// Where it is named.
+    /// Span of the name in the step.
     pub span: Span,
-    /// The command or task.
+    /// Declaration of the command or task.
     pub decl: DeclId,
-    /// It, for the static arguments that are given.
+    /// Unit of the command or task for the given static arguments.
     pub unit: UnitId,
-    /// For each of its [inputs](super::Unit::inputs) what is given, if something is.
+    /// Arguments, one for each of the unit's [inputs](super::Unit::inputs); none for a default.
     pub args: Vec<Option<ExprId>>,
-    /// What it takes over, from each command that may come before it.
+    /// Values that the command takes over, from each possible predecessor.
     pub handed: Vec<Handed>,
 }
 
-/// A value that a command takes over (`given`) from one that runs before it (M7.3).
+/// Value that a command takes over (`given`) from a preceding command (M7.3).
 #[derive(Clone, Copy, Debug)]
 pub struct Handed {
-    /// The flow of the command that takes it over.
+    /// Flow of the command that takes over the value.
     pub flow: FlowId,
-    /// The command that hands it over.
+    /// Preceding command.
     pub by: UnitId,
-    /// Index among the exports of that one's body.
+    /// Index among the exports of the preceding command's body.
     pub export: usize,
-    /// Where the task runs that one.
+    /// Span of the step that runs the preceding command.
     pub span: Span,
 }

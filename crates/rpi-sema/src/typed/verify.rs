@@ -1,11 +1,11 @@
-//! What holds of every typed unit, checked after each pass in tests and debug builds.
+//! Invariants of typed units, checked after each pass in tests and debug builds.
 
 use super::{Equation, ExprId, Kind, Place, Unit, UnitId};
 
-/// Checks a unit of a program with so many units.
+/// Checks the invariants of a unit of a program with `units` units.
 ///
 /// # Errors
-/// Says what does not hold, and where.
+/// Returns a description of the first violation.
 pub fn verify(unit: &Unit, units: usize) -> Result<(), String> {
     for (id, expr) in (0..).map(ExprId).zip(&unit.exprs) {
         verify_expr(unit, units, id).map_err(|what| {
@@ -17,10 +17,7 @@ pub fn verify(unit: &Unit, units: usize) -> Result<(), String> {
     }
     for (k, block) in unit.blocks.iter().enumerate() {
         if block.parent.is_some_and(|parent| parent.0 as usize >= k) {
-            return Err(format!(
-                "`{}`: block {k} stands before the one around it",
-                unit.name
-            ));
+            return Err(format!("`{}`: block {k} precedes its parent", unit.name));
         }
         for equation in &block.equations {
             verify_equation(unit, equation).map_err(|what| format!("`{}`: {what}", unit.name))?;
@@ -34,7 +31,7 @@ fn verify_expr(unit: &Unit, units: usize, id: ExprId) -> Result<(), &'static str
     let mut forward = false;
     expr.kind.operands(&mut |operand| forward |= operand >= id);
     if forward {
-        return Err("an operand does not come before it");
+        return Err("an operand does not precede it");
     }
     match &expr.kind {
         Kind::Flow(flow) if flow.0 as usize >= unit.flows.len() => Err("no such flow"),
@@ -51,7 +48,7 @@ fn verify_expr(unit: &Unit, units: usize, id: ExprId) -> Result<(), &'static str
             if fits {
                 Ok(())
             } else {
-                Err("a part beyond its base")
+                Err("part exceeds its base")
             }
         }
         _ => Ok(()),
@@ -68,7 +65,7 @@ fn verify_equation(unit: &Unit, equation: &Equation) -> Result<(), String> {
     let unknown = value.has_unknown() || equation.targets.iter().any(|t| t.ty.has_unknown());
     if !unknown && !equation.targets.is_empty() && taken != value.leaf_count() {
         return Err(format!(
-            "an equation takes {taken} leaves of {}",
+            "an equation has targets for {taken} leaves, but its value has {}",
             value.leaf_count()
         ));
     }
@@ -77,7 +74,7 @@ fn verify_equation(unit: &Unit, equation: &Equation) -> Result<(), String> {
             let count = unit.flow(flow).ty.leaf_count();
             if !unknown && at as usize + target.ty.leaf_count() > count {
                 return Err(format!(
-                    "an equation defines more than there is of `{}`",
+                    "an equation defines leaves beyond the end of `{}`",
                     unit.flow(flow).name
                 ));
             }

@@ -1,9 +1,9 @@
-//! Dimensions: products of powers of the base dimensions.
+//! Dimensions: products of rational powers of the base dimensions.
 
 use super::Ratio;
 use std::fmt;
 
-/// A base dimension, named by its SI unit.
+/// Base dimension, named after its quantity.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum Base {
     /// Mass, `kg`.
@@ -24,22 +24,22 @@ pub enum Base {
     Angle,
 }
 
-/// The base dimensions of [`Base`].
+/// Number of base dimensions in [`Base`].
 const KNOWN: usize = 8;
 
-/// The free dimensions: what a type parameter measures, while its declaration is checked by itself. Three do not make
-/// [`crate::ty::Ty`] larger; a declaration with more of them is checked in several rounds.
+/// Number of free dimensions: those of type parameters while a generic declaration is checked. Three do not enlarge
+/// [`crate::ty::Ty`]. A declaration with more of them is checked in several rounds.
 pub const FREE: usize = 3;
 
 const BASES: usize = KNOWN + FREE;
 
-/// The units of the base dimensions, in the order of [`Base`], which is the order of printing. Free ones have no name of
-/// their own: who checks a declaration replaces these signs by the names of its parameters.
+/// Units of the base dimensions, in the order of [`Base`], in which they are printed. Free dimensions have private-use
+/// characters, which the checker replaces by the names of the parameters.
 const BASE_UNITS: [&str; BASES] = [
     "kg", "m", "s", "A", "K", "mol", "cd", "rad", "\u{E000}", "\u{E001}", "\u{E002}",
 ];
 
-/// Dimensions that print by a name of their own.
+/// Dimensions that are printed with a name of their own.
 const NAMED: [(&str, [i32; KNOWN]); 8] = [
     ("N", [1, 1, -2, 0, 0, 0, 0, 0]),
     ("N*m", [1, 2, -2, 0, 0, 0, 0, 0]),
@@ -51,7 +51,7 @@ const NAMED: [(&str, [i32; KNOWN]); 8] = [
     ("T", [1, 0, -2, -1, 0, 0, 0, 0]),
 ];
 
-/// What people call quantities, with the article.
+/// Common names of quantities, with an article.
 const QUANTITIES: [(&str, [i32; KNOWN]); 20] = [
     ("a mass", [1, 0, 0, 0, 0, 0, 0, 0]),
     ("a length", [0, 1, 0, 0, 0, 0, 0, 0]),
@@ -75,12 +75,12 @@ const QUANTITIES: [(&str, [i32; KNOWN]); 20] = [
     ("a temperature", [0, 0, 0, 0, 1, 0, 0, 0]),
 ];
 
-/// A dimension.
+/// Dimension: exponents of the base dimensions.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub struct Dim([Ratio; BASES]);
 
 impl Dim {
-    /// The dimension of plain numbers.
+    /// Dimensionless.
     pub const ONE: Dim = Dim([Ratio::ZERO; BASES]);
     /// Length, m.
     pub const LENGTH: Dim = Dim::base(Base::Length);
@@ -89,7 +89,7 @@ impl Dim {
     /// Plane angle, rad.
     pub const ANGLE: Dim = Dim::base(Base::Angle);
 
-    /// A base dimension.
+    /// Dimension of a base quantity.
     #[must_use]
     pub const fn base(base: Base) -> Dim {
         let mut exponents = [Ratio::ZERO; BASES];
@@ -97,7 +97,7 @@ impl Dim {
         Dim(exponents)
     }
 
-    /// What nothing is known of but that it is itself: the free dimension of this place, below [`FREE`].
+    /// Free dimension number `place`, below [`FREE`]. It equals only itself.
     #[must_use]
     pub fn free(place: usize) -> Dim {
         let mut exponents = [Ratio::ZERO; BASES];
@@ -105,19 +105,19 @@ impl Dim {
         Dim(exponents)
     }
 
-    /// Whether a free dimension is a factor of it.
+    /// Returns whether a free dimension is a factor.
     #[must_use]
     pub fn has_free(self) -> bool {
         self.0[KNOWN..].iter().any(|exponent| !exponent.is_zero())
     }
 
-    /// The sign that stands for a free dimension in texts.
+    /// Returns the character that represents a free dimension in texts.
     #[must_use]
     pub fn free_sign(place: usize) -> &'static str {
         BASE_UNITS[KNOWN + place % FREE]
     }
 
-    /// Whole exponents in the order of [`Base`]; none if one does not fit.
+    /// Creates a dimension from integer exponents in the order of [`Base`]; none if one is out of range.
     #[must_use]
     pub fn whole(exponents: [i32; KNOWN]) -> Option<Dim> {
         let mut dim = Dim::ONE;
@@ -127,13 +127,13 @@ impl Dim {
         Some(dim)
     }
 
-    /// The exponent of a base dimension.
+    /// Exponent of a base dimension.
     #[must_use]
     pub fn exponent(self, base: Base) -> Ratio {
         self.0[base as usize]
     }
 
-    /// Product; none if an exponent does not fit.
+    /// Product; none if an exponent is out of range.
     #[must_use]
     pub fn times(self, other: Dim) -> Option<Dim> {
         let mut dim = self;
@@ -143,7 +143,7 @@ impl Dim {
         Some(dim)
     }
 
-    /// Power; none if an exponent does not fit.
+    /// Power; none if an exponent is out of range.
     #[must_use]
     pub fn power(self, exponent: Ratio) -> Option<Dim> {
         let mut dim = self;
@@ -153,37 +153,38 @@ impl Dim {
         Some(dim)
     }
 
-    /// Quotient; none if an exponent does not fit.
+    /// Quotient; none if an exponent is out of range.
     #[must_use]
     pub fn over(self, other: Dim) -> Option<Dim> {
         self.times(other.inverse())
     }
 
-    /// One over it.
+    /// Reciprocal.
     #[must_use]
     pub fn inverse(self) -> Dim {
         Dim(self.0.map(Ratio::opposite))
     }
 
-    /// Whether values of both may be added and compared: equal apart from the angle (see the module text).
+    /// Returns whether values of both dimensions may be added and compared: equal except for the angle (see
+    /// [`crate::units`]).
     #[must_use]
     pub fn meets(self, other: Dim) -> bool {
         self.without_angle() == other.without_angle()
     }
 
-    /// Whether it is that of plain numbers, angles included.
+    /// Returns whether the dimension is that of a plain number or an angle.
     #[must_use]
     pub fn is_plain(self) -> bool {
         self.meets(Dim::ONE)
     }
 
-    /// What people call a quantity of this dimension, with the article: `a speed`.
+    /// Common name of a quantity of this dimension, with an article: `a speed`.
     #[must_use]
     pub fn quantity(self) -> Option<&'static str> {
         named(&QUANTITIES, self)
     }
 
-    /// Whether it is one over something: no exponent is positive, and one is negative.
+    /// Returns whether this is a pure reciprocal: no exponent is positive and at least one is negative.
     #[must_use]
     pub fn is_inverse(self) -> bool {
         let signed = |e: &&Ratio| !e.is_zero();
@@ -197,7 +198,7 @@ impl Dim {
         dim
     }
 
-    /// Factors whose exponents have this sign, with the sign taken off, joined by `*`.
+    /// Factors with exponents of one sign, printed without the sign.
     fn product(self, negative: bool) -> Vec<String> {
         let signed = |e: Ratio| !e.is_zero() && e.is_negative() == negative;
         let factor = |(unit, e): (&str, Ratio)| {
@@ -212,13 +213,13 @@ impl Dim {
     }
 }
 
-/// The name of a dimension in a table.
+/// Looks up a dimension in a table of names.
 fn named(table: &[(&'static str, [i32; KNOWN])], dim: Dim) -> Option<&'static str> {
     let is = |row: &&(&str, [i32; KNOWN])| Dim::whole(row.1) == Some(dim);
     table.iter().find(is).map(|row| row.0)
 }
 
-/// As it is written between brackets: `m/s^2`, `N`, `1/s`, `1`.
+/// Formats the dimension as between brackets: `m/s^2`, `N`, `1/s`, `1`.
 impl fmt::Display for Dim {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if let Some(name) = named(&NAMED, *self) {

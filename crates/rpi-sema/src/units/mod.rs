@@ -1,12 +1,13 @@
-//! Units of measure: dimensions with rational exponents, the table of units, and how both print.
+//! Units of measure: dimensions with rational exponents, the table of units, and their formatting.
 //!
-//! A dimension is a product of powers of the seven SI base dimensions and of the plane angle. Values are kept in
-//! coherent SI units (m, kg, s, A, K, mol, cd, rad), so a unit is a dimension and a factor, applied when the program is
-//! compiled. This module must not know types or expressions.
+//! A dimension is a product of powers of the seven SI base dimensions and the plane angle. Values are kept in coherent
+//! SI units (m, kg, s, A, K, mol, cd, rad), so a unit is a dimension and a factor that is applied at compile time. This
+//! module must not know types or expressions.
 //!
-//! **Angles.** SI calls the radian a plain 1, and formulas rely on it (`v = omega * r`, `omega = sqrt(k / m)`). So the
-//! angle is tracked and printed, but two dimensions [meet](Dim::meets) if they agree in everything else. What SI's rule
-//! would let slip, a plain number where an angle is wanted (`30` for `30[deg]`), is caught where literals are checked.
+//! **Angles.** In the SI the radian equals 1, and formulas rely on that (`v = omega * r`, `omega = sqrt(k / m)`). So
+//! angles are tracked and printed, but two dimensions [match](Dim::meets) if they agree in all other exponents. A
+//! mistake that this rule would miss, a plain number for an angle (`30` for `30[deg]`), is reported where literals are
+//! checked.
 
 mod dim;
 mod ratio;

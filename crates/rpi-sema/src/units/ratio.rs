@@ -1,8 +1,8 @@
-//! Small rational numbers, the exponents of dimensions.
+//! Small rational numbers, used as exponents of dimensions.
 
 use std::fmt;
 
-/// A rational number in lowest terms with a positive denominator.
+/// Rational number in lowest terms with a positive denominator.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub struct Ratio {
     num: i8,
@@ -10,14 +10,14 @@ pub struct Ratio {
 }
 
 impl Ratio {
-    /// 0.
+    /// Zero.
     pub const ZERO: Ratio = Ratio { num: 0, den: 1 };
-    /// 1.
+    /// One.
     pub const ONE: Ratio = Ratio { num: 1, den: 1 };
-    /// 1/2, the exponent of a square root.
+    /// One half, the exponent of a square root.
     pub const HALF: Ratio = Ratio { num: 1, den: 2 };
 
-    /// `num / den` in lowest terms; none if `den` is 0 or it does not fit.
+    /// Creates `num / den` in lowest terms; none if `den` is 0 or the result is out of range.
     #[must_use]
     pub fn new(num: i32, den: i32) -> Option<Ratio> {
         let common = gcd(num.unsigned_abs(), den.unsigned_abs()).cast_signed();
@@ -31,14 +31,14 @@ impl Ratio {
         })
     }
 
-    /// A whole number, if it fits.
+    /// Creates an integer; none if it is out of range.
     #[must_use]
     pub fn whole(value: i32) -> Option<Ratio> {
         let num = i8::try_from(value).ok()?;
         Some(Ratio { num, den: 1 })
     }
 
-    /// The ratio that a real is, if it is one with a small denominator.
+    /// Converts a real to the equal ratio with a denominator of at most 12, within 1e-9; none if there is none.
     #[must_use]
     pub fn of_real(value: f64) -> Option<Ratio> {
         (1..=12i32).find_map(|den| {
@@ -48,7 +48,7 @@ impl Ratio {
         })
     }
 
-    /// Sum, if it fits.
+    /// Sum; none if out of range.
     #[must_use]
     pub fn plus(self, other: Ratio) -> Option<Ratio> {
         if self.den == 1 && other.den == 1 {
@@ -59,7 +59,7 @@ impl Ratio {
         Ratio::new(a.0 * b.1 + b.0 * a.1, a.1 * b.1)
     }
 
-    /// Product, if it fits.
+    /// Product; none if out of range.
     #[must_use]
     pub fn times(self, other: Ratio) -> Option<Ratio> {
         if self.den == 1 && other.den == 1 {
@@ -70,7 +70,7 @@ impl Ratio {
         Ratio::new(a.0 * b.0, a.1 * b.1)
     }
 
-    /// The opposite.
+    /// Negation.
     #[must_use]
     pub fn opposite(self) -> Ratio {
         Ratio {
@@ -79,13 +79,13 @@ impl Ratio {
         }
     }
 
-    /// Whether it is 0.
+    /// Returns whether the number is 0.
     #[must_use]
     pub fn is_zero(self) -> bool {
         self.num == 0
     }
 
-    /// Whether it is below 0.
+    /// Returns whether the number is less than 0.
     #[must_use]
     pub fn is_negative(self) -> bool {
         self.num < 0

@@ -1,43 +1,43 @@
-//! From a unit as it is written to a dimension and a factor.
+//! Resolves a unit in the source to a dimension and a factor.
 
 use super::table::{Factor, OTHERWISE, PREFIXES, UNITS, UnitRow};
 use super::{Dim, Ratio};
 use rpi_diag::{Span, suggest};
 use rpi_syntax::ast::{Unit, UnitFactor};
 
-/// What a unit means.
+/// Meaning of a unit.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Measure {
-    /// Its dimension.
+    /// Dimension.
     pub dim: Dim,
-    /// From its numbers to coherent ones.
+    /// Factor from this unit to the coherent SI unit.
     pub factor: Factor,
 }
 
-/// What can be wrong with a unit.
+/// Error in a unit.
 #[derive(Clone, PartialEq, Debug)]
 pub enum UnitFault {
-    /// No such unit.
+    /// Undefined unit.
     Unknown {
-        /// As it was written.
+        /// Name in the source.
         name: String,
-        /// Where.
+        /// Span of the name.
         span: Span,
-        /// The nearest unit there is.
+        /// Suggested unit.
         near: Option<String>,
     },
-    /// An exponent that no quantity has.
+    /// Exponent out of range.
     Exponent {
-        /// Where.
+        /// Span of the unit.
         span: Span,
     },
 }
 
-/// The meaning of a unit. `parameter` tells the dimension of names that are type parameters around it, as `T` in `real[T/s]`:
-/// these go before units of the same name.
+/// Resolves a unit. `parameter` returns the dimension of a type parameter, such as `T` in `real[T/s]`. Parameters take
+/// precedence over units with the same name.
 ///
 /// # Errors
-/// For a name that is no unit, and for exponents out of range.
+/// Undefined unit, or an exponent out of range.
 pub fn resolve(unit: &Unit, parameter: &dyn Fn(&str) -> Option<Dim>) -> Result<Measure, UnitFault> {
     let plain = Measure {
         dim: Dim::ONE,
@@ -73,13 +73,13 @@ fn factor(
     })
 }
 
-/// Whether a unit is called so.
+/// Returns whether a unit has this name.
 #[must_use]
 pub fn is_unit(name: &str) -> bool {
     find(name).is_some()
 }
 
-/// A unit and its prefix. A unit without prefix wins: `min` is a minute, `cd` a candela.
+/// Looks up a unit with an optional prefix. A unit without prefix takes precedence: `min` is a minute, `cd` a candela.
 fn find(name: &str) -> Option<(Factor, &'static UnitRow)> {
     if let Some(row) = UNITS.iter().find(|row| row.name == name) {
         return Some((Factor::ONE, row));
@@ -99,7 +99,7 @@ fn unknown(part: &UnitFactor) -> UnitFault {
     }
 }
 
-/// The unit that was meant: by another name, in other letters, as a product without its sign, or misspelt.
+/// Suggests a unit: by another name, another case, a product without `*`, or a similar spelling.
 fn near(name: &str) -> Option<String> {
     let common = ["mm", "cm", "km", "kg", "ms", "us", "kN", "mA", "kW", "mV"];
     let all = || UNITS.iter().map(|row| row.name).chain(common);
@@ -161,7 +161,7 @@ mod tests {
     #[test]
     fn faults_say_what_is_wrong() {
         let Err(UnitFault::Unknown { near, .. }) = of(&[("rmp", 1)]) else {
-            panic!("`rmp` is no unit");
+            panic!("`rmp` must be undefined");
         };
         assert_eq!(near.as_deref(), Some("rpm"));
         for (written, meant) in [("sec", "s"), ("hz", "Hz"), ("As", "A*s"), ("mms", "mm/s")] {

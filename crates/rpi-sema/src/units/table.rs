@@ -1,8 +1,8 @@
-//! The table of units and prefixes.
+//! Table of units and prefixes.
 
 use super::Dim;
 
-/// The factor from a unit to the coherent one, as a fraction: exact for powers of ten, so that `9[mm]` is exactly the
+/// Factor from a unit to the coherent SI unit, as a fraction. It is exact for powers of ten, so that `9[mm]` is the
 /// real nearest to 0.009.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Factor {
@@ -13,7 +13,7 @@ pub struct Factor {
 }
 
 impl Factor {
-    /// 1.
+    /// One.
     pub const ONE: Factor = Factor { num: 1.0, den: 1.0 };
 
     /// Product.
@@ -25,7 +25,7 @@ impl Factor {
         }
     }
 
-    /// Whole power.
+    /// Integer power.
     #[must_use]
     pub fn power(self, exponent: i32) -> Factor {
         let (num, den) = match exponent < 0 {
@@ -35,30 +35,30 @@ impl Factor {
         (0..exponent.unsigned_abs()).fold(Factor::ONE, |whole, _| whole.times(Factor { num, den }))
     }
 
-    /// A number of this unit in coherent units.
+    /// Converts a number from this unit to the coherent SI unit.
     #[must_use]
     pub fn apply(self, value: f64) -> f64 {
         value * self.num / self.den
     }
 }
 
-/// A unit.
+/// Unit of measure.
 #[derive(Debug)]
 pub struct UnitRow {
-    /// How it is written.
+    /// Symbol in the source.
     pub name: &'static str,
-    /// What it is, in words.
+    /// Name in words.
     pub doc: &'static str,
-    /// To coherent units.
+    /// Factor to the coherent SI unit.
     pub factor: Factor,
-    /// Whether it takes prefixes.
+    /// Whether the unit may have a prefix.
     pub prefixes: bool,
     /// Exponents of kg, m, s, A, K, mol, cd, rad.
     exponents: [i32; 8],
 }
 
 impl UnitRow {
-    /// Its dimension.
+    /// Dimension of the unit.
     #[must_use]
     pub fn dim(&self) -> Dim {
         Dim::whole(self.exponents).unwrap_or(Dim::ONE)
@@ -83,8 +83,8 @@ const fn row(
 
 use std::f64::consts::PI;
 
-/// Every unit without its prefixes (BIPM, The International System of Units, 9th edition, tables 2, 4 and 8; and what
-/// machines are measured in).
+/// All units without prefixes: BIPM, The International System of Units, 9th edition, tables 2, 4 and 8, and units
+/// common for machines.
 #[rustfmt::skip]
 pub const UNITS: &[UnitRow] = &[
     row("m",      "metre",              (1.0, 1.0),            true,  [0, 1, 0, 0, 0, 0, 0, 0]),
@@ -128,7 +128,7 @@ pub const UNITS: &[UnitRow] = &[
     row("ppm",    "part per million",   (1.0, 1e6),            false, [0; 8]),
 ];
 
-/// How else units are written or called, and how they are here.
+/// Other names and spellings of units, each with the unit to suggest.
 pub(super) const OTHERWISE: &[(&str, &str)] = &[
     ("meter", "m"),
     ("metre", "m"),
@@ -186,7 +186,7 @@ pub(super) const OTHERWISE: &[(&str, &str)] = &[
     ("in", "inch"),
 ];
 
-/// The SI prefixes.
+/// SI prefixes.
 #[rustfmt::skip]
 pub(super) const PREFIXES: &[(&str, Factor)] = &[
     ("da", Factor { num: 10.0, den: 1.0 }),

@@ -1,4 +1,4 @@
-//! What stands in a body: locals, equations, fragments in place, automata.
+//! Definitions and references in bodies: locals, equations, fragments in place and automata.
 
 use super::{At, Body, Builder, DefId, DefKind, Ident, Mode, Origin, ScopeId, Work};
 use crate::hash::Map;
@@ -43,7 +43,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// The equations that a block stands for.
+    /// Visits the equations to which a block is desugared.
     fn meaning(&mut self, at: At<'a>, means: &'a Meaning) {
         for (equation, _) in &means.equations {
             self.equation(at, equation);
@@ -68,8 +68,8 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// What a plain name on the left of an equation means: a flow that is declared here, or one around here of which it is
-    /// no new one, or else one that it introduces.
+    /// Resolves a plain name on the left of an equation: a flow declared in this scope, a flow of an enclosing scope
+    /// that the equation defines, or a new local flow.
     fn introduced(&mut self, at: At<'a>, name: &'a Ident) -> Option<DefId> {
         if name.name == "_" {
             return None;
@@ -87,8 +87,8 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Whether an equation in a scope means a flow of the surroundings: what no equation defines, or what the states of an
-    /// automaton share. A fragment has flows of its own.
+    /// Returns whether an equation in a scope defines a flow of an enclosing scope: an input or parameter, or a flow
+    /// shared by states. A fragment has its own flows.
     fn is_defined_inside(&self, scope: ScopeId, id: DefId) -> bool {
         let def = self.index.def(id);
         use DefKind::{Given, Input, Local, Output, Param};
@@ -99,7 +99,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Whether a scope is a state of an automaton that stands in `parent`, or in a state there.
+    /// Returns whether a scope is a state of an automaton in `parent`, directly or nested.
     fn shares(&self, scope: ScopeId, parent: Option<DefId>) -> bool {
         let owner = |id: DefId| Some(self.index.def(id)).filter(|def| def.kind == DefKind::State);
         let innermost = self.index.scope(scope).owner.and_then(owner);
@@ -110,7 +110,7 @@ impl<'a> Builder<'a> {
     fn block(&mut self, at: At<'a>, fragment: &'a FragmentDecl) {
         let signature = &fragment.signature;
         let scope = self.enclosed(at, &signature.name, DefKind::Block);
-        // When it is active is decided outside.
+        // The activation is evaluated in the enclosing scope.
         let when = fragment.when.iter().map(|when| &when.condition);
         self.exprs(at.scope, when.chain(&fragment.budget));
         let outputs = signature.outputs.as_deref().unwrap_or_default();
@@ -119,7 +119,7 @@ impl<'a> Builder<'a> {
         self.body(scope, &fragment.body);
     }
 
-    /// A block inside a body, and its scope.
+    /// Defines a block inside a body and returns its scope.
     fn enclosed(&mut self, at: At<'a>, name: &'a Ident, kind: DefKind) -> ScopeId {
         let def = self.define(at, name, kind);
         let scope = self.inner(at, def);
@@ -143,7 +143,7 @@ impl<'a> Builder<'a> {
         for state in &automaton.states {
             self.shared(at, state);
         }
-        // Another automaton beside this one may have states of the same names.
+        // Another automaton in the same body may have states with the same names.
         let names = automaton.states.iter().map(|state| &state.name.name);
         let owners = states.iter().map(|scope| self.index.scope(*scope).owner);
         let named = names.zip(owners).filter_map(|(name, id)| Some((name, id?)));
@@ -159,7 +159,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// What a state defines and does not declare is a flow of the surroundings.
+    /// Defines the flows that a state defines but does not declare in the enclosing scope.
     fn shared(&mut self, at: At<'a>, state: &'a State) {
         let is_declared = |name: &Ident| declared_names(state).any(|known| known.name == name.name);
         let equations = state.body.statements.iter();
@@ -181,7 +181,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Strong transitions are decided around the state, weak ones see what is in it.
+    /// Strong transitions are evaluated in the enclosing scope, weak ones in the scope of the state.
     fn transitions(&mut self, around: ScopeId, inside: ScopeId, state: &'a State) {
         let mut all = |scope: ScopeId, transitions: &'a [Transition]| {
             let conditions = transitions.iter().flat_map(|one| &one.condition);

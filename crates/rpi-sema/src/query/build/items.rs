@@ -1,4 +1,4 @@
-//! Declarations at the top of a file, and their parameters and ports.
+//! Definitions at the top level of a file, with their parameters and ports.
 
 use super::{At, Body, Builder, DefId, DefKind, Ident, Origin, ScopeId, Work};
 use crate::program::Source;
@@ -105,7 +105,7 @@ impl<'a> Builder<'a> {
         match &ty.kind {
             TypeKind::Enum(values) => {
                 for value in values {
-                    // What is said of the type is not said of each value.
+                    // The doc comment of the type does not apply to its values.
                     let at = At {
                         whole: value.name.span,
                         doc: value.doc.as_ref(),
@@ -151,7 +151,7 @@ impl<'a> Builder<'a> {
         self.body(scope, &fragment.body);
     }
 
-    /// Something to call, its parameters and ports.
+    /// Defines a callable with its parameters and ports.
     fn callable(&mut self, at: At<'a>, kind: DefKind, of: &'a Signature) -> (DefId, ScopeId) {
         let (def, scope) = self.loaded(at, kind, &of.name, &of.statics);
         self.index.inside[def.0 as usize].members = Some(scope);
@@ -168,7 +168,7 @@ impl<'a> Builder<'a> {
         (def, scope)
     }
 
-    /// Something with parameters, and the scope inside.
+    /// Defines a declaration with static parameters and returns its inner scope.
     fn loaded(
         &mut self,
         at: At<'a>,
@@ -268,7 +268,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Ports, parameters, fields.
+    /// Defines ports, parameters or fields.
     pub(super) fn vars(&mut self, scope: ScopeId, decls: &'a [VarDecl], kind: DefKind) {
         for decl in decls {
             let at = At {
@@ -318,7 +318,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// The results of a command.
+    /// Defines the results of a command or test.
     fn results(&mut self, at: At<'a>, body: &'a Body) {
         for statement in &body.statements {
             if let rpi_syntax::ast::StatementKind::End(end) = &statement.kind {

@@ -1,9 +1,9 @@
-//! From syntax trees to the table of definitions and references.
+//! Builds the table of definitions and references from syntax trees.
 //!
-//! In two steps, as the order of the text does not matter: everything that has a name is declared in its scope
-//! (`items.rs`, `bodies.rs`), and what refers to names is put on a list; then the list is worked off (`refs.rs`), where
-//! it may have to be found out what the members of something are (`shapes.rs`). The rules by which names are found are
-//! those of the checker.
+//! The order of the text does not matter, so there are two passes. The first defines every name in its scope and puts
+//! everything that refers to names on a worklist (`items.rs`, `bodies.rs`). The second resolves the worklist
+//! (`refs.rs`), which may need the members of a definition (`shapes.rs`). Names are looked up by the same rules as in
+//! the checker.
 
 mod bodies;
 mod items;
@@ -19,7 +19,7 @@ use rpi_syntax::Mode;
 use rpi_syntax::ast::{Body, Callee, Clock, Doc, Dotted, Expr, Ident, Run, Target, Type, Update};
 use shapes::Shapes;
 
-/// The table of a program.
+/// Builds the table of a program.
 pub(super) fn build<'a>(program: &Program<'a>, sources: &[Source<'a>]) -> Index {
     let mut builder = Builder::new();
     let scopes: Vec<ScopeId> = sources
@@ -40,7 +40,7 @@ pub(super) fn build<'a>(program: &Program<'a>, sources: &[Source<'a>]) -> Index 
     builder.index
 }
 
-/// Something that refers to names.
+/// Syntax tree that refers to names.
 #[derive(Clone, Copy)]
 enum Work<'a> {
     Expr(&'a Expr),
@@ -50,13 +50,13 @@ enum Work<'a> {
     Dotted(&'a Dotted),
     Callee(&'a Callee),
     Run(&'a Run),
-    /// A plain name: a state, a step.
+    /// Plain name of a state or step.
     Name(&'a Ident),
-    /// The name of a module.
+    /// Name of a module.
     Module(&'a Ident),
 }
 
-/// What tells the members of a definition.
+/// Source from which the members of a definition are found.
 #[derive(Clone, Copy)]
 enum Origin<'a> {
     Type(&'a Type),
@@ -64,7 +64,7 @@ enum Origin<'a> {
     Alias(&'a Callee),
 }
 
-/// Where a definition stands.
+/// Position of a definition: its scope, the span of the whole declaration, and the doc comment.
 #[derive(Clone, Copy)]
 struct At<'a> {
     scope: ScopeId,
@@ -73,7 +73,7 @@ struct At<'a> {
 }
 
 impl<'a> At<'a> {
-    /// With another range and, if there is one, its own doc comment.
+    /// Returns this position with another span and, if there is one, another doc comment.
     fn within(self, whole: Span, doc: Option<&'a Doc>) -> At<'a> {
         At {
             whole,
@@ -83,7 +83,7 @@ impl<'a> At<'a> {
     }
 }
 
-/// The table on its way.
+/// State of the table construction.
 struct Builder<'a> {
     index: Index,
     mode: Mode,
@@ -109,7 +109,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Declares a module: what `use` names, and the scope of its declarations.
+    /// Defines a module and returns the scope of its declarations.
     fn module(&mut self, source: &Source<'a>) -> ScopeId {
         let file = file_of(source);
         let start = file.map_or(Span::NONE, |file| Span::new(file, 0, 0));
@@ -144,7 +144,7 @@ impl<'a> Builder<'a> {
         id
     }
 
-    /// A scope for what is inside a definition.
+    /// Adds the inner scope of a definition.
     fn inner(&mut self, at: At<'a>, owner: DefId) -> ScopeId {
         self.scope(at.whole, Some(at.scope), Some(owner))
     }
@@ -156,7 +156,7 @@ impl<'a> Builder<'a> {
         id
     }
 
-    /// Gives a name a meaning in a scope; the first one counts.
+    /// Defines a name in a scope. The first definition of a name takes precedence.
     fn define(&mut self, at: At<'a>, name: &'a Ident, kind: DefKind) -> DefId {
         let id = self.push(Def {
             name: name.name.clone(),
@@ -175,14 +175,14 @@ impl<'a> Builder<'a> {
         id
     }
 
-    /// Notes that a name at a place means a definition.
+    /// Records a reference to a definition.
     fn refer(&mut self, span: Span, def: DefId) {
         if !span.is_none() {
             self.index.references.push(Reference { span, def });
         }
     }
 
-    /// Notes what the type of a definition is.
+    /// Records the declared type of a definition.
     fn typed(&mut self, def: DefId, scope: ScopeId, ty: &'a Type) {
         self.index.defs[def.0 as usize].ty = Some(ty.span);
         self.shapes.set(def, scope, Origin::Type(ty));
@@ -198,7 +198,7 @@ impl<'a> Builder<'a> {
     }
 }
 
-/// The file of a module, by what is in it.
+/// Returns the file of a module; none if the module is empty.
 fn file_of(source: &Source<'_>) -> Option<FileId> {
     let items = source.files.iter().flat_map(|file| &file.items);
     items.map(|item| item.span.file).next()

@@ -1,4 +1,4 @@
-//! What names refer to, once everything is declared.
+//! Resolves references, after all names are defined.
 
 use super::super::def::DefKind;
 use super::{
@@ -12,7 +12,7 @@ use rpi_syntax::ast::{
 };
 
 impl<'a> Builder<'a> {
-    /// Refers everything on the list, and tells the shape of every definition.
+    /// Resolves everything on the worklist and computes the shape of every definition.
     pub(super) fn work_off(&mut self) {
         for (scope, work) in std::mem::take(&mut self.work) {
             match work {
@@ -109,7 +109,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// An expression with names of its own. Where one of them hides a name from around, what is meant is left open.
+    /// Visits an expression with bound names. If one of them shadows an outer name, the expression is not resolved.
     fn with_own_names(
         &mut self,
         scope: ScopeId,
@@ -149,7 +149,7 @@ impl<'a> Builder<'a> {
         for change in &update.changes {
             let owner = self.owner_of(scope, &update.base);
             match &change.path[..] {
-                // The name of a field, or a flow.
+                // The key is the name of a field, or a flow as an index.
                 [Access::Index(key)] if update.is_keyed && owner.is_some() => match key.as_name() {
                     Some(name) => {
                         let (name, span) = (name.clone(), key.span);
@@ -244,7 +244,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// The name of an argument.
+    /// Resolves the name of an argument.
     fn parameter(&mut self, of: DefId, name: &Ident) {
         let of = self.callable_behind(of);
         let Some(scope) = self.index.inside(of).parameters else {
@@ -266,7 +266,7 @@ impl<'a> Builder<'a> {
             }
             TypeKind::Optional(inner) => self.ty(scope, inner),
             TypeKind::Subrange(range) => self.all(scope, range.from.iter().chain(&range.to)),
-            // These stand in declarations of types only, which are no work for here.
+            // These occur only in type declarations, which are not on the worklist.
             TypeKind::Enum(_) | TypeKind::Struct(_) | TypeKind::Data(_) => {}
             TypeKind::Tuple(types) => types.iter().for_each(|ty| self.ty(scope, ty)),
             TypeKind::Refined(refined) => {
@@ -307,7 +307,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Whether names of this kind have members themselves, not those of a shape.
+    /// Returns whether definitions of this kind have members of their own, rather than those of their shape.
     pub(super) fn has_own_members(kind: DefKind) -> bool {
         use DefKind::{Block, Command, State};
         matches!(kind, Block | State | Command)

@@ -1,17 +1,17 @@
-//! Whose members something has: a device's, a struct's, those of a call's result.
+//! Shapes: the definition whose members a value has, a device type, a struct or a callable with several outputs.
 //!
-//! Followed through the text, from a flow to its equation to what that calls: so that it is known where nothing is
-//! checked, and leads to the very place where a member is declared.
+//! Shapes are found in the syntax alone, from a flow to its equation to the callee, so they are available in programs
+//! with errors and lead to the declaration of a member.
 
 use super::super::def::DefKind;
 use super::{Builder, DefId, Expr, Origin, ScopeId, Type};
 use crate::hash::Map;
 use rpi_syntax::ast::{Call, ExprKind, TypeKind};
 
-/// How far a chain of equations is followed.
+/// Greatest length of a chain of equations that is followed.
 const MAX_DEPTH: u32 = 100;
 
-/// What tells the shapes, and those that are known.
+/// Origins of shapes, and the shapes found so far.
 #[derive(Default)]
 pub(super) struct Shapes<'a> {
     origins: Map<DefId, (ScopeId, Origin<'a>)>,
@@ -24,14 +24,14 @@ impl<'a> Shapes<'a> {
         self.origins.insert(def, (scope, origin));
     }
 
-    /// A flow that is defined more than once has the shape of its first definition.
+    /// Sets the origin of a flow unless it has one. A flow with several definitions has the shape of the first.
     pub(super) fn set_if_open(&mut self, def: DefId, scope: ScopeId, origin: Origin<'a>) {
         self.origins.entry(def).or_insert((scope, origin));
     }
 }
 
 impl<'a> Builder<'a> {
-    /// The definition whose members a definition has, if it is not itself.
+    /// Returns the definition whose members a definition has, if it is another one.
     pub(super) fn shape(&mut self, def: DefId) -> Option<DefId> {
         if let Some(known) = self.shapes.known.get(&def) {
             return *known;
@@ -40,7 +40,7 @@ impl<'a> Builder<'a> {
         if self.shapes.depth >= MAX_DEPTH {
             return None;
         }
-        // Whoever asks for it again meanwhile is a part of a cycle.
+        // A recursive query is part of a cycle and finds no shape.
         self.shapes.known.insert(def, None);
         self.shapes.depth += 1;
         let shape = match origin {
@@ -56,7 +56,7 @@ impl<'a> Builder<'a> {
         shape
     }
 
-    /// The definition whose members are read as `definition.name`.
+    /// Returns the definition whose members are read as `definition.name`.
     pub(super) fn owner_behind(&mut self, def: DefId) -> Option<DefId> {
         match Self::has_own_members(self.index.def(def).kind) {
             true => Some(def),
@@ -64,7 +64,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// The definition whose members are read as `expression.name`.
+    /// Returns the definition whose members are read as `expression.name`.
     pub(super) fn owner_of(&mut self, scope: ScopeId, expr: &'a Expr) -> Option<DefId> {
         match &expr.kind {
             ExprKind::Name(name) => {
@@ -98,7 +98,8 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// What a call gives: its only out-port, or all of them by name. `hold(x, init)` gives what x is.
+    /// Returns the shape of a call's result: that of its only output, or the callee if it has several. `hold(x, init)`
+    /// has the shape of x.
     fn owner_of_call(&mut self, scope: ScopeId, call: &'a Call) -> Option<DefId> {
         let Some(callee) = self.index.lookup(scope, &call.callee.name.name) else {
             return self.owner_of(scope, &call.args.first()?.value);
@@ -129,12 +130,12 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// The struct or device type behind other names for it.
+    /// Returns the struct or device type behind type aliases.
     pub(super) fn type_behind(&mut self, ty: DefId) -> DefId {
         self.shape(ty).unwrap_or(ty)
     }
 
-    /// Behind `node f = g<<3>>;` stands g.
+    /// Resolves an alias: for `node f = g<<3>>;` returns g.
     pub(super) fn callable_behind(&mut self, def: DefId) -> DefId {
         match self.index.def(def).kind.is_callable() {
             true => self.shape(def).unwrap_or(def),
