@@ -1,10 +1,20 @@
 //! Access to parts of values: fields, array elements, slices, and ports of devices.
 
+use super::automaton;
 use super::body::Body;
+use super::consts;
+use super::expr;
+use super::locals;
 use super::locals::Local;
+use super::misread;
+use super::names;
 use super::names::plain_name;
+use super::parts;
+use super::report;
 use super::report::{Wanted, listed, no_member};
+use super::statement;
 use super::types::is_foreign;
+use super::unit;
 use crate::program::{DeclKind, Lookup};
 use crate::ty::{DevicePortTy, DeviceTy, Member, Subst, Ty};
 use crate::typed::{BlockId, ExprId, FlowId, Kind, Leaf, Place};
@@ -61,465 +71,487 @@ pub(super) fn names_of(parts: &[Member]) -> impl Iterator<Item = &str> {
     parts.iter().filter_map(|member| member.name.as_deref())
 }
 
-impl<'a> Body<'_, 'a> {
-    /// Checks `base.field`.
-    pub(super) fn field(&mut self, field: &'a Field, span: Span) -> ExprId {
-        if let Some(block) = self.block_of(&field.base) {
-            return self.flow_of_block(block, &field.field, span);
-        }
-        if let Some(name) = plain_name(&field.base)
-            && let Some(result) = self.result_of(name, &field.field, span)
-        {
-            return result;
-        }
-        if let Some(name) = plain_name(&field.base)
-            && let Some(value) = self.value_of_enum(name, field)
-        {
-            return value;
-        }
-        let base = self.expr(&field.base);
-        self.member(base, &field.field)
+/// Checks `base.field`.
+pub(super) fn field_access<'a>(cx: &mut Body<'_, 'a>, field: &'a Field, span: Span) -> ExprId {
+    if let Some(block) = named_block(cx, &field.base) {
+        return block_member(cx, block, &field.field, span);
     }
-
-    /// Reports `Mode.Moving`: an enum value is written without its type. Returns `None` if `name` is not an enum.
-    fn value_of_enum(&mut self, name: &Name, field: &Field) -> Option<ExprId> {
-        let Lookup::Found(id) = self.c.program.lookup(self.module, name) else {
-            return None;
-        };
-        if self.find_local(name).is_some()
-            || !matches!(self.c.program.decl(id).kind, DeclKind::Type(_))
-        {
-            return None;
-        }
-        let Ty::Enum(ty) = self.c.type_decl(id) else {
-            return None;
-        };
-        let value = &field.field;
-        let whole = field.base.span.merge(value.span);
-        if !ty.values.contains(&value.name) {
-            let near = rpi_diag::suggest(&value.name, ty.values.iter().map(Name::as_str));
-            let finding = no_member(&format!("the enum `{name}`"), &value.name, value.span, near);
-            return Some(self.fault_with(finding, whole));
-        }
-        let finding = Finding::new(
-            Code::RPI1003,
-            format!("`{}` must be written without its type", value.name),
-        )
-        .at(field.base.span, format!("`{name}` is an enum type"))
-        .fix(Fix::sure(format!("write `{}`", value.name)).replace(whole, value.name.as_str()));
-        Some(self.fault_with(finding, whole))
+    if let Some(name) = plain_name(&field.base)
+        && let Some(result) = names::command_result(cx, name, &field.field, span)
+    {
+        return result;
     }
-
-    /// Reports `Mode::Moving`: an enum value is written without its type. Returns `None` if the path does not start
-    /// with an enum.
-    pub(super) fn value_by_path(&mut self, name: &Name, span: Span) -> Option<ExprId> {
-        let (of, value) = name.rsplit_once("::")?;
-        let Lookup::Found(id) = self.c.program.lookup(self.module, &of.into()) else {
-            return None;
-        };
-        if !matches!(self.c.program.decl(id).kind, DeclKind::Type(_)) {
-            return None;
-        }
-        let Ty::Enum(ty) = self.c.type_decl(id) else {
-            return None;
-        };
-        if !ty.values.iter().any(|known| known == value) {
-            let near = rpi_diag::suggest(value, ty.values.iter().map(Name::as_str));
-            let finding = no_member(&format!("the enum `{of}`"), value, span, near);
-            return Some(self.fault_with(finding, span));
-        }
-        let finding = Finding::new(
-            Code::RPI1003,
-            format!("`{value}` must be written without its type"),
-        )
-        .at(span, format!("`{of}` is an enum type"))
-        .fix(Fix::sure(format!("write `{value}`")).replace(span, value));
-        Some(self.fault_with(finding, span))
+    if let Some(name) = plain_name(&field.base)
+        && let Some(value) = enum_value_by_field(cx, name, field)
+    {
+        return value;
     }
+    let base = expr::check_expr(cx, &field.base);
+    member_access(cx, base, &field.field)
+}
 
-    /// Returns the block of the inline fragment or state that `inner` or `outer.inner` names.
-    fn block_of(&self, expr: &ast::Expr) -> Option<BlockId> {
-        let local = match (plain_name(expr), &expr.kind) {
-            (Some(name), _) => self.find_local(name),
-            (None, ExprKind::Field(field)) => {
-                let outer = self.block_of(&field.base)?;
-                self.find_in(outer, &field.field.name)
-            }
-            _ => None,
-        };
-        match local? {
-            Local::Block(block) | Local::State(block) => Some(block),
-            _ => None,
+/// Reports `Mode.Moving`: an enum value is written without its type. Returns `None` if `name` is not an enum.
+fn enum_value_by_field(cx: &mut Body<'_, '_>, name: &Name, field: &Field) -> Option<ExprId> {
+    let Lookup::Found(id) = cx.c.program.lookup(cx.module, name) else {
+        return None;
+    };
+    if locals::find_local(cx, name).is_some()
+        || !matches!(cx.c.program.decl(id).kind, DeclKind::Type(_))
+    {
+        return None;
+    }
+    let Ty::Enum(ty) = cx.c.type_decl(id) else {
+        return None;
+    };
+    let value = &field.field;
+    let whole = field.base.span.merge(value.span);
+    if !ty.values.contains(&value.name) {
+        let near = rpi_diag::suggest(&value.name, ty.values.iter().map(Name::as_str));
+        let finding = no_member(&format!("the enum `{name}`"), &value.name, value.span, near);
+        return Some(cx.fault_with(finding, whole));
+    }
+    let finding = Finding::new(
+        Code::RPI1003,
+        format!("`{}` must be written without its type", value.name),
+    )
+    .at(field.base.span, format!("`{name}` is an enum type"))
+    .fix(Fix::sure(format!("write `{}`", value.name)).replace(whole, value.name.as_str()));
+    Some(cx.fault_with(finding, whole))
+}
+
+/// Reports `Mode::Moving`: an enum value is written without its type. Returns `None` if the path does not start
+/// with an enum.
+pub(super) fn enum_value_by_path(cx: &mut Body<'_, '_>, name: &Name, span: Span) -> Option<ExprId> {
+    let (of, value) = name.rsplit_once("::")?;
+    let Lookup::Found(id) = cx.c.program.lookup(cx.module, &of.into()) else {
+        return None;
+    };
+    if !matches!(cx.c.program.decl(id).kind, DeclKind::Type(_)) {
+        return None;
+    }
+    let Ty::Enum(ty) = cx.c.type_decl(id) else {
+        return None;
+    };
+    if !ty.values.iter().any(|known| known == value) {
+        let near = rpi_diag::suggest(value, ty.values.iter().map(Name::as_str));
+        let finding = no_member(&format!("the enum `{of}`"), value, span, near);
+        return Some(cx.fault_with(finding, span));
+    }
+    let finding = Finding::new(
+        Code::RPI1003,
+        format!("`{value}` must be written without its type"),
+    )
+    .at(span, format!("`{of}` is an enum type"))
+    .fix(Fix::sure(format!("write `{value}`")).replace(span, value));
+    Some(cx.fault_with(finding, span))
+}
+
+/// Returns the block of the inline fragment or state that `inner` or `outer.inner` names.
+fn named_block(cx: &Body<'_, '_>, expr: &ast::Expr) -> Option<BlockId> {
+    let local = match (plain_name(expr), &expr.kind) {
+        (Some(name), _) => locals::find_local(cx, name),
+        (None, ExprKind::Field(field)) => {
+            let outer = named_block(cx, &field.base)?;
+            locals::find_in_block(cx, outer, &field.field.name)
         }
+        _ => None,
+    };
+    match local? {
+        Local::Block(block) | Local::State(block) => Some(block),
+        _ => None,
     }
+}
 
-    /// Reads a flow of an inline fragment or state from outside of it.
-    pub(super) fn flow_of_block(&mut self, block: BlockId, field: &Ident, span: Span) -> ExprId {
-        match self.find_in(block, &field.name) {
-            Some(Local::Flow(flow)) => self.flow_expr(flow, span),
-            Some(Local::Constant(constant)) => self.constant_expr(&constant, span),
-            Some(Local::States(places, _)) => self.one_of_several_states(&field.name, places, span),
-            _ => {
-                let near = self.c.suggest(&field.name, self.names_in(block));
-                let what = match self.is_state(block) {
-                    true => "state",
-                    false => "fragment",
-                };
-                let of = format!("the {what} `{}`", self.unit.block(block).name);
-                let finding = no_member(&of, &field.name, field.span, near);
-                self.fault_with(finding, span)
-            }
-        }
-    }
-
-    /// Checks access to a member of a value by name: a field, an output, or a sensor port.
-    pub(super) fn member(&mut self, base: ExprId, field: &Ident) -> ExprId {
-        let span = self.span_of(base).merge(field.span);
-        match self.ty_of(base).clone() {
-            Ty::Unknown => self.fault(span),
-            Ty::Device(device) => self.sensor(base, &device, field, span),
-            Ty::Spatial(..) => self.spatial_part(base, field, span),
-            ty => match member_of(&ty, &field.name) {
-                Some((at, ty)) => self.add(Kind::Part { base, at }, ty, span),
-                None => self.fault_with(no_part(&ty, &owner(&ty), field), span),
-            },
-        }
-    }
-
-    fn sensor(&mut self, base: ExprId, device: &Rc<DeviceTy>, field: &Ident, span: Span) -> ExprId {
-        let found = device.ports.iter().position(|port| port.name == field.name);
-        let Some(index) = found else {
-            let near = rpi_diag::suggest(&field.name, device.ports.iter().map(|p| p.name.as_str()));
-            let finding = no_member(
-                &format!("the device type `{}`", device.name),
-                &field.name,
-                field.span,
-                near,
-            );
-            return self.fault_with(finding, span);
-        };
-        let port = &device.ports[index];
-        if port.is_actuator {
-            let finding = Finding::new(
-                Code::RPI6001,
-                format!("`{}` is an actuator port", field.name),
-            )
-            .at(field.span, "an actuator port cannot be read")
-            .help(format!(
-                "read measured values and the last set-point from its sensor ports: {}",
-                ports(device, false)
-            ));
-            return self.fault_with(finding, span);
-        }
-        let Some(ty) = self.port_type(base, device, port, field.span) else {
-            return self.fault(span);
-        };
-        let port = u32::try_from(index).unwrap_or(u32::MAX);
-        self.add(Kind::Sensor { device: base, port }, ty, span)
-    }
-
-    /// Returns the type of a device's port, with the frames of this device. Reports a size that depends on a parameter
-    /// without a value.
-    fn port_type(
-        &mut self,
-        base: ExprId,
-        device: &DeviceTy,
-        port: &DevicePortTy,
-        span: Span,
-    ) -> Option<Ty> {
-        let Some(ty) = &port.ty else {
-            let finding = Finding::new(
-                Code::RPI2008,
-                format!("cannot infer the size of `{}`", port.name),
-            )
-            .at(
-                span,
-                format!("it depends on a parameter of `{}`", device.name),
-            )
-            .help(format!(
-                "give the parameter in the type: `{}<<7>>`",
-                device.name
-            ));
-            self.report(finding);
-            return None;
-        };
-        let Kind::Flow(flow) = self.unit.expr(base).kind else {
-            return Some(ty.clone());
-        };
-        Some(ty.substituted(&self.frames_of(device, flow)))
-    }
-
-    /// Returns the substitution of the frames of a device type by those of the device that `flow` holds: `tcp` becomes
-    /// `arm.tcp`.
-    pub(super) fn frames_of(&self, device: &DeviceTy, flow: FlowId) -> Subst {
-        let name = &self.unit.flow(flow).name;
-        let frame =
-            |local: &rpi_syntax::Name| (local.clone(), Some(format!("{name}.{local}").into()));
-        Subst {
-            frames: device.frames.iter().map(frame).collect(),
-            ..Subst::default()
-        }
-    }
-
-    /// Returns the actuator port that the target `arm.tcp` defines, and its type.
-    pub(super) fn actuator(
-        &mut self,
-        flow: FlowId,
-        device: &Rc<DeviceTy>,
-        target: &'a ast::Target,
-    ) -> (Place, Ty) {
-        let nowhere = (Place::Nowhere, Ty::Unknown);
-        let [Access::Field(field)] = &target.path[..] else {
-            let finding = Finding::new(
-                Code::RPI1003,
-                format!("cannot define the device `{}`", target.name.name),
-            )
-            .at(target.span, "only its actuator ports can be defined")
-            .help(format!("write `{}.port = ...;`", target.name.name));
-            self.report(finding);
-            return nowhere;
-        };
-        let actuators = device.ports.iter().filter(|port| port.is_actuator);
-        let Some(index) = device
-            .ports
-            .iter()
-            .position(|p| p.is_actuator && p.name == field.name)
-        else {
-            let near = rpi_diag::suggest(&field.name, actuators.map(|p| p.name.as_str()));
-            let of = format!("the device type `{}`", device.name);
-            let finding = match device.port(&field.name) {
-                Some(_) => {
-                    Finding::new(Code::RPI6001, format!("`{}` is a sensor port", field.name))
-                        .at(field.span, "a sensor port cannot be defined")
-                        .help(format!("write set-points to {}", ports(device, true)))
-                }
-                None => no_member(&of, &field.name, field.span, near),
+/// Reads a flow of an inline fragment or state from outside of it.
+pub(super) fn block_member(
+    cx: &mut Body<'_, '_>,
+    block: BlockId,
+    field: &Ident,
+    span: Span,
+) -> ExprId {
+    match locals::find_in_block(cx, block, &field.name) {
+        Some(Local::Flow(flow)) => names::flow_expr(cx, flow, span),
+        Some(Local::Constant(constant)) => names::constant_expr(cx, &constant, span),
+        Some(Local::States(places, _)) => names::ambiguous_state(cx, &field.name, places, span),
+        _ => {
+            let near = cx.c.suggest(&field.name, locals::names_in(cx, block));
+            let what = match automaton::is_state(cx, block) {
+                true => "state",
+                false => "fragment",
             };
-            self.report(finding);
-            return nowhere;
-        };
-        let base = self.add(
-            Kind::Flow(flow),
-            Ty::Device(device.clone()),
-            target.name.span,
+            let of = format!("the {what} `{}`", cx.unit.block(block).name);
+            let finding = no_member(&of, &field.name, field.span, near);
+            cx.fault_with(finding, span)
+        }
+    }
+}
+
+/// Checks access to a member of a value by name: a field, an output, or a sensor port.
+pub(super) fn member_access(cx: &mut Body<'_, '_>, base: ExprId, field: &Ident) -> ExprId {
+    let span = cx.span_of(base).merge(field.span);
+    match cx.ty_of(base).clone() {
+        Ty::Unknown => cx.fault(span),
+        Ty::Device(device) => sensor_access(cx, base, &device, field, span),
+        Ty::Spatial(..) => parts::spatial_part(cx, base, field, span),
+        ty => match member_of(&ty, &field.name) {
+            Some((at, ty)) => cx.add(Kind::Part { base, at }, ty, span),
+            None => cx.fault_with(no_part(&ty, &owner(&ty), field), span),
+        },
+    }
+}
+
+fn sensor_access(
+    cx: &mut Body<'_, '_>,
+    base: ExprId,
+    device: &Rc<DeviceTy>,
+    field: &Ident,
+    span: Span,
+) -> ExprId {
+    let found = device.ports.iter().position(|port| port.name == field.name);
+    let Some(index) = found else {
+        let near = rpi_diag::suggest(&field.name, device.ports.iter().map(|p| p.name.as_str()));
+        let finding = no_member(
+            &format!("the device type `{}`", device.name),
+            &field.name,
+            field.span,
+            near,
         );
-        let ty = self.port_type(base, device, &device.ports[index], field.span);
-        let port = u32::try_from(index).unwrap_or(u32::MAX);
-        (
-            Place::Port { device: flow, port },
-            ty.unwrap_or(Ty::Unknown),
+        return cx.fault_with(finding, span);
+    };
+    let port = &device.ports[index];
+    if port.is_actuator {
+        let finding = Finding::new(
+            Code::RPI6001,
+            format!("`{}` is an actuator port", field.name),
         )
+        .at(field.span, "an actuator port cannot be read")
+        .help(format!(
+            "read measured values and the last set-point from its sensor ports: {}",
+            ports(device, false)
+        ));
+        return cx.fault_with(finding, span);
     }
+    let Some(ty) = port_type(cx, base, device, port, field.span) else {
+        return cx.fault(span);
+    };
+    let port = u32::try_from(index).unwrap_or(u32::MAX);
+    cx.add(Kind::Sensor { device: base, port }, ty, span)
+}
 
-    /// Checks `base[index]`.
-    pub(super) fn index(&mut self, index: &'a Index, span: Span) -> ExprId {
-        let base = self.expr(&index.base);
-        if self.is_meant_as_unit(base, &index.index) {
-            return self.unit_behind_a_flow(base, &index.index, span);
-        }
-        let at = self.expr(&index.index);
-        if is_foreign(self.ty_of(base), &["map<"]) {
-            self.key_of_map(base, at);
-            return self.not_an_array(base, span);
-        }
-        self.expect(
-            at,
-            &Ty::Int,
-            &Wanted::By(Span::NONE, "an index must be an integer".into()),
-        );
-        if let Ty::Tuple(members) = self.ty_of(base).clone()
-            && !self.is_rpi()
-            && members.iter().all(|member| member.name.is_none())
-        {
-            return self.element_of_tuple(base, at, &members, span);
-        }
-        let Ty::Array(element, n) = self.ty_of(base).clone() else {
-            return self.not_an_array(base, span);
+/// Returns the type of a device's port, with the frames of this device. Reports a size that depends on a parameter
+/// without a value.
+fn port_type(
+    cx: &mut Body<'_, '_>,
+    base: ExprId,
+    device: &DeviceTy,
+    port: &DevicePortTy,
+    span: Span,
+) -> Option<Ty> {
+    let Some(ty) = &port.ty else {
+        let finding = Finding::new(
+            Code::RPI2008,
+            format!("cannot infer the size of `{}`", port.name),
+        )
+        .at(
+            span,
+            format!("it depends on a parameter of `{}`", device.name),
+        )
+        .help(format!(
+            "give the parameter in the type: `{}<<7>>`",
+            device.name
+        ));
+        report::report_diagnostic(cx, finding);
+        return None;
+    };
+    let Kind::Flow(flow) = cx.unit.expr(base).kind else {
+        return Some(ty.clone());
+    };
+    Some(ty.substituted(&device_frame_subst(cx, device, flow)))
+}
+
+/// Returns the substitution of the frames of a device type by those of the device that `flow` holds: `tcp` becomes
+/// `arm.tcp`.
+pub(super) fn device_frame_subst(cx: &Body<'_, '_>, device: &DeviceTy, flow: FlowId) -> Subst {
+    let name = &cx.unit.flow(flow).name;
+    let frame = |local: &rpi_syntax::Name| (local.clone(), Some(format!("{name}.{local}").into()));
+    Subst {
+        frames: device.frames.iter().map(frame).collect(),
+        ..Subst::default()
+    }
+}
+
+/// Returns the actuator port that the target `arm.tcp` defines, and its type.
+pub(super) fn actuator_target<'a>(
+    cx: &mut Body<'_, 'a>,
+    flow: FlowId,
+    device: &Rc<DeviceTy>,
+    target: &'a ast::Target,
+) -> (Place, Ty) {
+    let nowhere = (Place::Nowhere, Ty::Unknown);
+    let [Access::Field(field)] = &target.path[..] else {
+        let finding = Finding::new(
+            Code::RPI1003,
+            format!("cannot define the device `{}`", target.name.name),
+        )
+        .at(target.span, "only its actuator ports can be defined")
+        .help(format!("write `{}.port = ...;`", target.name.name));
+        report::report_diagnostic(cx, finding);
+        return nowhere;
+    };
+    let actuators = device.ports.iter().filter(|port| port.is_actuator);
+    let Some(index) = device
+        .ports
+        .iter()
+        .position(|p| p.is_actuator && p.name == field.name)
+    else {
+        let near = rpi_diag::suggest(&field.name, actuators.map(|p| p.name.as_str()));
+        let of = format!("the device type `{}`", device.name);
+        let finding = match device.port(&field.name) {
+            Some(_) => Finding::new(Code::RPI6001, format!("`{}` is a sensor port", field.name))
+                .at(field.span, "a sensor port cannot be defined")
+                .help(format!("write set-points to {}", ports(device, true))),
+            None => no_member(&of, &field.name, field.span, near),
         };
-        match self.known_int(at) {
-            Some(k) => match self.in_bounds(k, n, self.span_of(at)) {
-                Some(k) => {
-                    let at = k * leaves(&element);
-                    self.add(Kind::Part { base, at }, (*element).clone(), span)
-                }
-                None => self.fault(span),
-            },
-            None => self.add(Kind::Select { base, index: at }, (*element).clone(), span),
-        }
-    }
+        report::report_diagnostic(cx, finding);
+        return nowhere;
+    };
+    let base = cx.add(
+        Kind::Flow(flow),
+        Ty::Device(device.clone()),
+        target.name.span,
+    );
+    let ty = port_type(cx, base, device, &device.ports[index], field.span);
+    let port = u32::try_from(index).unwrap_or(u32::MAX);
+    (
+        Place::Port { device: flow, port },
+        ty.unwrap_or(Ty::Unknown),
+    )
+}
 
-    /// Checks `t[0]` of a Kind 2 tuple. The index must be constant, as each element has a type of its own.
-    fn element_of_tuple(
-        &mut self,
-        base: ExprId,
-        at: ExprId,
-        members: &[crate::ty::Member],
-        span: Span,
-    ) -> ExprId {
-        let Some(k) = self.fold(at).and_then(|leaves| leaves.first()?.as_int()) else {
-            return self.fault(span);
-        };
-        let count = u32::try_from(members.len()).unwrap_or(u32::MAX);
-        let Some(k) = self.in_bounds(k, count, self.span_of(at)) else {
-            return self.fault(span);
-        };
-        let before = &members[..k as usize];
-        let from = before.iter().map(|member| leaves(&member.ty)).sum();
-        let ty = members[k as usize].ty.clone();
-        self.add(Kind::Part { base, at: from }, ty, span)
+/// Checks `base[index]`.
+pub(super) fn index_access<'a>(cx: &mut Body<'_, 'a>, index: &'a Index, span: Span) -> ExprId {
+    let base = expr::check_expr(cx, &index.base);
+    if misread::is_unit_index(cx, base, &index.index) {
+        return misread::unit_after_flow(cx, base, &index.index, span);
     }
-
-    /// Returns the value of an integer expression if it is known at compile time.
-    pub(super) fn known_int(&mut self, id: ExprId) -> Option<i64> {
-        match &self.unit.expr(id).kind {
-            Kind::Literal(value) => value.as_int(),
-            Kind::Flow(_) if self.unit.kind != crate::typed::UnitKind::Constant => None,
-            _ => self.fold_quietly(id)?.first().and_then(Leaf::as_int),
-        }
+    let at = expr::check_expr(cx, &index.index);
+    if is_foreign(cx.ty_of(base), &["map<"]) {
+        check_map_key(cx, base, at);
+        return report_not_an_array(cx, base, span);
     }
-
-    /// Reports a key whose type is not the key type of the Kind 2 map.
-    fn key_of_map(&mut self, base: ExprId, at: ExprId) {
-        let found = self.ty_of(at).clone();
-        let Ty::Struct(map) = self.ty_of(base) else {
-            return;
-        };
-        let args = map.name.strip_prefix("map<").unwrap_or_default();
-        let wanted = key_type(args).to_owned();
-        if !found.is_unknown() && found.to_string() != wanted {
-            let message = format!("expected `{wanted}`, found `{found}`");
-            let finding = Finding::new(Code::RPI2001, message)
-                .at(self.span_of(at), format!("this is `{found}`"))
-                .also(self.span_of(base), "the map");
-            self.report(finding);
-        }
+    statement::expect_type(
+        cx,
+        at,
+        &Ty::Int,
+        &Wanted::By(Span::NONE, "an index must be an integer".into()),
+    );
+    if let Ty::Tuple(members) = cx.ty_of(base).clone()
+        && !unit::reads_rpi_syntax(cx)
+        && members.iter().all(|member| member.name.is_none())
+    {
+        return tuple_index(cx, base, at, &members, span);
     }
-
-    fn not_an_array(&mut self, base: ExprId, span: Span) -> ExprId {
-        let ty = self.ty_of(base).clone();
-        // No error for the element of a Kind 2 map: the map itself has been reported as not executable.
-        if ty.is_unknown() || is_foreign(&ty, &["map<"]) {
-            return self.fault(span);
-        }
-        let finding = Finding::new(Code::RPI2006, "only arrays can be indexed")
-            .at(self.span_of(base), format!("this is `{ty}`"))
-            .help("the value of the previous cycle is `pre x`, with an initial value `0 -> pre x`");
-        self.fault_with(finding, span)
-    }
-
-    /// Returns an array index as `u32`; reports an index that is out of bounds.
-    pub(super) fn in_bounds(&mut self, k: i64, n: u32, span: Span) -> Option<u32> {
-        let index = u32::try_from(k).ok().filter(|k| *k < n);
-        if index.is_none() {
-            let finding = Finding::new(Code::RPI2009, format!("index {k} is out of bounds")).at(
-                span,
-                format!(
-                    "the array has {}, counted from 0",
-                    rpi_diag::counted(n, "element")
-                ),
-            );
-            self.report(finding);
-        }
-        index
-    }
-
-    /// Checks `base[from..to step s]`.
-    pub(super) fn slice(&mut self, slice: &'a SliceOf, span: Span) -> ExprId {
-        let base = self.expr(&slice.base);
-        let Ty::Array(element, n) = self.ty_of(base).clone() else {
-            return self.not_an_array(base, span);
-        };
-        let Some(range) = self.range(&slice.slice, n, span) else {
-            return self.fault(span);
-        };
-        let ty = Ty::Array(element, range.len);
-        let (from, step) = (range.from, range.step);
-        self.add(Kind::Slice { base, from, step }, ty, span)
-    }
-
-    fn range(&mut self, slice: &'a Slice, n: u32, span: Span) -> Option<Range> {
-        let (from, to) = (self.integer(&slice.from)?, self.integer(&slice.to)?);
-        let step = match &slice.step {
-            Some(step) => self.integer(step)?,
-            None => 1,
-        };
-        let (first, last) = (
-            self.in_bounds(from, n, slice.from.span)?,
-            self.in_bounds(to, n, slice.to.span)?,
-        );
-        let distance = i64::from(last) - i64::from(first);
-        if step == 0 || (distance != 0 && distance.signum() != step.signum()) {
-            let finding = Finding::new(Code::RPI2009, "the slice never reaches its end")
-                .at(span, format!("from {from} to {to} in steps of {step}"));
-            self.report(finding);
-            return None;
-        }
-        Some(Range {
-            from: first,
-            step: i32::try_from(step).ok()?,
-            len: u32::try_from(distance / step + 1).ok()?,
-        })
-    }
-
-    /// Returns the first leaf and the type of the part that a path of fields, elements and slices selects in a value of
-    /// type `ty` that starts at leaf `at`.
-    pub(super) fn path_in(&mut self, ty: &Ty, at: u32, path: &'a [Access]) -> Option<(u32, Ty)> {
-        let Some((first, rest)) = path.split_first() else {
-            return Some((at, ty.clone()));
-        };
-        if ty.is_unknown() {
-            return None;
-        }
-        let (offset, inner) = match (first, ty) {
-            (Access::Field(field), _) => self.field_in(ty, field)?,
-            (Access::Index(index), Ty::Array(element, n)) => {
-                let k = self.integer(index)?;
-                let k = self.in_bounds(k, *n, index.span)?;
-                (k * leaves(element), (**element).clone())
+    let Ty::Array(element, n) = cx.ty_of(base).clone() else {
+        return report_not_an_array(cx, base, span);
+    };
+    match const_int(cx, at) {
+        Some(k) => match checked_index(cx, k, n, cx.span_of(at)) {
+            Some(k) => {
+                let at = k * leaves(&element);
+                cx.add(Kind::Part { base, at }, (*element).clone(), span)
             }
-            (Access::Slice(slice), Ty::Array(element, n)) => self.slice_in(element, *n, slice)?,
-            (Access::Index(ast::Expr { span, .. }), _) => return self.no_elements(ty, *span),
-            (Access::Slice(slice), _) => return self.no_elements(ty, slice.from.span),
-        };
-        self.path_in(&inner, at + offset, rest)
+            None => cx.fault(span),
+        },
+        None => cx.add(Kind::Select { base, index: at }, (*element).clone(), span),
     }
+}
 
-    /// Returns the first leaf and the type of a field; reports an unknown field.
-    pub(super) fn field_in(&mut self, ty: &Ty, field: &Ident) -> Option<(u32, Ty)> {
-        let found = member_of(ty, &field.name);
-        if found.is_none() {
-            let names = ty.members().iter().filter_map(|m| m.name.as_deref());
-            let near = rpi_diag::suggest(&field.name, names);
-            let finding = no_member(&format!("`{ty}`"), &field.name, field.span, near);
-            self.report(finding);
+/// Checks `t[0]` of a Kind 2 tuple. The index must be constant, as each element has a type of its own.
+fn tuple_index(
+    cx: &mut Body<'_, '_>,
+    base: ExprId,
+    at: ExprId,
+    members: &[crate::ty::Member],
+    span: Span,
+) -> ExprId {
+    let Some(k) = consts::fold(cx, at).and_then(|leaves| leaves.first()?.as_int()) else {
+        return cx.fault(span);
+    };
+    let count = u32::try_from(members.len()).unwrap_or(u32::MAX);
+    let Some(k) = checked_index(cx, k, count, cx.span_of(at)) else {
+        return cx.fault(span);
+    };
+    let before = &members[..k as usize];
+    let from = before.iter().map(|member| leaves(&member.ty)).sum();
+    let ty = members[k as usize].ty.clone();
+    cx.add(Kind::Part { base, at: from }, ty, span)
+}
+
+/// Returns the value of an integer expression if it is known at compile time.
+pub(super) fn const_int(cx: &mut Body<'_, '_>, id: ExprId) -> Option<i64> {
+    match &cx.unit.expr(id).kind {
+        Kind::Literal(value) => value.as_int(),
+        Kind::Flow(_) if cx.unit.kind != crate::typed::UnitKind::Constant => None,
+        _ => consts::fold_silently(cx, id)?
+            .first()
+            .and_then(Leaf::as_int),
+    }
+}
+
+/// Reports a key whose type is not the key type of the Kind 2 map.
+fn check_map_key(cx: &mut Body<'_, '_>, base: ExprId, at: ExprId) {
+    let found = cx.ty_of(at).clone();
+    let Ty::Struct(map) = cx.ty_of(base) else {
+        return;
+    };
+    let args = map.name.strip_prefix("map<").unwrap_or_default();
+    let wanted = key_type(args).to_owned();
+    if !found.is_unknown() && found.to_string() != wanted {
+        let message = format!("expected `{wanted}`, found `{found}`");
+        let finding = Finding::new(Code::RPI2001, message)
+            .at(cx.span_of(at), format!("this is `{found}`"))
+            .also(cx.span_of(base), "the map");
+        report::report_diagnostic(cx, finding);
+    }
+}
+
+fn report_not_an_array(cx: &mut Body<'_, '_>, base: ExprId, span: Span) -> ExprId {
+    let ty = cx.ty_of(base).clone();
+    // No error for the element of a Kind 2 map: the map itself has been reported as not executable.
+    if ty.is_unknown() || is_foreign(&ty, &["map<"]) {
+        return cx.fault(span);
+    }
+    let finding = Finding::new(Code::RPI2006, "only arrays can be indexed")
+        .at(cx.span_of(base), format!("this is `{ty}`"))
+        .help("the value of the previous cycle is `pre x`, with an initial value `0 -> pre x`");
+    cx.fault_with(finding, span)
+}
+
+/// Returns an array index as `u32`; reports an index that is out of bounds.
+pub(super) fn checked_index(cx: &mut Body<'_, '_>, k: i64, n: u32, span: Span) -> Option<u32> {
+    let index = u32::try_from(k).ok().filter(|k| *k < n);
+    if index.is_none() {
+        let finding = Finding::new(Code::RPI2009, format!("index {k} is out of bounds")).at(
+            span,
+            format!(
+                "the array has {}, counted from 0",
+                rpi_diag::counted(n, "element")
+            ),
+        );
+        report::report_diagnostic(cx, finding);
+    }
+    index
+}
+
+/// Checks `base[from..to step s]`.
+pub(super) fn slice_access<'a>(cx: &mut Body<'_, 'a>, slice: &'a SliceOf, span: Span) -> ExprId {
+    let base = expr::check_expr(cx, &slice.base);
+    let Ty::Array(element, n) = cx.ty_of(base).clone() else {
+        return report_not_an_array(cx, base, span);
+    };
+    let Some(range) = slice_range(cx, &slice.slice, n, span) else {
+        return cx.fault(span);
+    };
+    let ty = Ty::Array(element, range.len);
+    let (from, step) = (range.from, range.step);
+    cx.add(Kind::Slice { base, from, step }, ty, span)
+}
+
+fn slice_range<'a>(cx: &mut Body<'_, 'a>, slice: &'a Slice, n: u32, span: Span) -> Option<Range> {
+    let (from, to) = (
+        consts::const_integer(cx, &slice.from)?,
+        consts::const_integer(cx, &slice.to)?,
+    );
+    let step = match &slice.step {
+        Some(step) => consts::const_integer(cx, step)?,
+        None => 1,
+    };
+    let (first, last) = (
+        checked_index(cx, from, n, slice.from.span)?,
+        checked_index(cx, to, n, slice.to.span)?,
+    );
+    let distance = i64::from(last) - i64::from(first);
+    if step == 0 || (distance != 0 && distance.signum() != step.signum()) {
+        let finding = Finding::new(Code::RPI2009, "the slice never reaches its end")
+            .at(span, format!("from {from} to {to} in steps of {step}"));
+        report::report_diagnostic(cx, finding);
+        return None;
+    }
+    Some(Range {
+        from: first,
+        step: i32::try_from(step).ok()?,
+        len: u32::try_from(distance / step + 1).ok()?,
+    })
+}
+
+/// Returns the first leaf and the type of the part that a path of fields, elements and slices selects in a value of
+/// type `ty` that starts at leaf `at`.
+pub(super) fn resolve_path<'a>(
+    cx: &mut Body<'_, 'a>,
+    ty: &Ty,
+    at: u32,
+    path: &'a [Access],
+) -> Option<(u32, Ty)> {
+    let Some((first, rest)) = path.split_first() else {
+        return Some((at, ty.clone()));
+    };
+    if ty.is_unknown() {
+        return None;
+    }
+    let (offset, inner) = match (first, ty) {
+        (Access::Field(field), _) => resolve_field(cx, ty, field)?,
+        (Access::Index(index), Ty::Array(element, n)) => {
+            let k = consts::const_integer(cx, index)?;
+            let k = checked_index(cx, k, *n, index.span)?;
+            (k * leaves(element), (**element).clone())
         }
-        found
-    }
+        (Access::Slice(slice), Ty::Array(element, n)) => resolve_slice(cx, element, *n, slice)?,
+        (Access::Index(ast::Expr { span, .. }), _) => return not_indexable(cx, ty, *span),
+        (Access::Slice(slice), _) => return not_indexable(cx, ty, slice.from.span),
+    };
+    resolve_path(cx, &inner, at + offset, rest)
+}
 
-    fn slice_in(&mut self, element: &Rc<Ty>, n: u32, slice: &'a Slice) -> Option<(u32, Ty)> {
-        let span = slice.from.span.merge(slice.to.span);
-        let range = self.range(slice, n, span)?;
-        if range.step != 1 {
-            let finding = Finding::new(
-                Code::RPI2009,
-                "only adjacent elements can be defined together",
-            )
-            .at(span, format!("a step of {}", range.step));
-            self.report(finding);
-            return None;
-        }
-        Some((
-            range.from * leaves(element),
-            Ty::Array(element.clone(), range.len),
-        ))
+/// Returns the first leaf and the type of a field; reports an unknown field.
+pub(super) fn resolve_field(cx: &mut Body<'_, '_>, ty: &Ty, field: &Ident) -> Option<(u32, Ty)> {
+    let found = member_of(ty, &field.name);
+    if found.is_none() {
+        let names = ty.members().iter().filter_map(|m| m.name.as_deref());
+        let near = rpi_diag::suggest(&field.name, names);
+        let finding = no_member(&format!("`{ty}`"), &field.name, field.span, near);
+        report::report_diagnostic(cx, finding);
     }
+    found
+}
 
-    fn no_elements(&mut self, ty: &Ty, span: Span) -> Option<(u32, Ty)> {
-        let finding = Finding::new(Code::RPI2006, "only arrays can be indexed")
-            .at(span, format!("this indexes `{ty}`"));
-        self.report(finding);
-        None
+fn resolve_slice<'a>(
+    cx: &mut Body<'_, 'a>,
+    element: &Rc<Ty>,
+    n: u32,
+    slice: &'a Slice,
+) -> Option<(u32, Ty)> {
+    let span = slice.from.span.merge(slice.to.span);
+    let range = slice_range(cx, slice, n, span)?;
+    if range.step != 1 {
+        let finding = Finding::new(
+            Code::RPI2009,
+            "only adjacent elements can be defined together",
+        )
+        .at(span, format!("a step of {}", range.step));
+        report::report_diagnostic(cx, finding);
+        return None;
     }
+    Some((
+        range.from * leaves(element),
+        Ty::Array(element.clone(), range.len),
+    ))
+}
+
+fn not_indexable(cx: &mut Body<'_, '_>, ty: &Ty, span: Span) -> Option<(u32, Ty)> {
+    let finding = Finding::new(Code::RPI2006, "only arrays can be indexed")
+        .at(span, format!("this indexes `{ty}`"));
+    report::report_diagnostic(cx, finding);
+    None
 }
 
 /// Returns the first of the types between `map<` and `>`. Commas inside brackets belong to a type.

@@ -4,8 +4,11 @@
 use super::Checker;
 use super::args::Given;
 use super::body::Body;
+use super::call;
 use super::callable::{Callable, Fixed};
 use super::header::{Header, Port};
+use super::locals;
+use super::names;
 use super::statics::{Param, Statics, missing};
 use super::types::PortTy;
 use crate::program::DeclId;
@@ -98,147 +101,149 @@ impl Checker<'_> {
     }
 }
 
-impl<'a> Body<'_, 'a> {
-    /// Declares the ports of the alias: those of its target that no static argument fixes.
-    pub(super) fn alias_ports(&mut self, callee: &'a Callee) {
-        let callable = self.callable(&callee.name.name, &callee.statics, callee.span);
-        let ports = callable.and_then(|callable| self.ports_of(&callable, callee.span));
-        let Some(ports) = ports else {
-            return;
-        };
-        for port in &ports.inputs {
-            let flow = self.declare_like(port, FlowRole::Input);
-            self.unit.inputs.push(flow);
-        }
-        for port in &ports.outputs {
-            let flow = self.declare_like(port, FlowRole::Output);
-            self.unit.outputs.push(flow);
-        }
-        self.clocks_like(&ports);
+/// Declares the ports of the alias: those of its target that no static argument fixes.
+pub(super) fn declare_alias_ports<'a>(cx: &mut Body<'_, 'a>, callee: &'a Callee) {
+    let callable = call::resolve_callable(cx, &callee.name.name, &callee.statics, callee.span);
+    let ports = callable.and_then(|callable| callable_ports(cx, &callable, callee.span));
+    let Some(ports) = ports else {
+        return;
+    };
+    for port in &ports.inputs {
+        let flow = declare_port_like(cx, port, FlowRole::Input);
+        cx.unit.inputs.push(flow);
     }
-
-    fn declare_like(&mut self, port: &Named, role: FlowRole) -> FlowId {
-        let name = Ident {
-            name: port.name.clone(),
-            span: port.span,
-        };
-        let ty = PortTy {
-            ty: port.ty.clone(),
-            optional: port.optional,
-        };
-        self.declare_flow(&name, &ty, role)
+    for port in &ports.outputs {
+        let flow = declare_port_like(cx, port, FlowRole::Output);
+        cx.unit.outputs.push(flow);
     }
+    copy_clocks(cx, &ports);
+}
 
-    /// Gives the declared flows the clocks of the target's ports.
-    fn clocks_like(&mut self, ports: &Ports) {
-        let flows = self.unit.inputs.iter().chain(&self.unit.outputs);
-        let flows: Vec<FlowId> = flows.copied().collect();
-        for (flow, port) in flows.iter().zip(ports.inputs.iter().chain(&ports.outputs)) {
-            let Some((name, value)) = &port.clock else {
-                continue;
-            };
-            let is_called = |id: &&FlowId| self.unit.flow(**id).name == *name;
-            if let Some(deciding) = flows.iter().find(is_called).copied() {
-                let value = *value;
-                self.unit.has_clocks = true;
-                self.unit.flows[flow.0 as usize].clock = Some(ClockOn {
-                    flow: deciding,
-                    value,
-                });
-            }
+fn declare_port_like(cx: &mut Body<'_, '_>, port: &Named, role: FlowRole) -> FlowId {
+    let name = Ident {
+        name: port.name.clone(),
+        span: port.span,
+    };
+    let ty = PortTy {
+        ty: port.ty.clone(),
+        optional: port.optional,
+    };
+    locals::declare_flow(cx, &name, &ty, role)
+}
+
+/// Gives the declared flows the clocks of the target's ports.
+fn copy_clocks(cx: &mut Body<'_, '_>, ports: &Ports) {
+    let flows = cx.unit.inputs.iter().chain(&cx.unit.outputs);
+    let flows: Vec<FlowId> = flows.copied().collect();
+    for (flow, port) in flows.iter().zip(ports.inputs.iter().chain(&ports.outputs)) {
+        let Some((name, value)) = &port.clock else {
+            continue;
+        };
+        let is_called = |id: &&FlowId| cx.unit.flow(**id).name == *name;
+        if let Some(deciding) = flows.iter().find(is_called).copied() {
+            let value = *value;
+            cx.unit.has_clocks = true;
+            cx.unit.flows[flow.0 as usize].clock = Some(ClockOn {
+                flow: deciding,
+                value,
+            });
         }
     }
+}
 
-    /// Returns the ports of a callable; `None` if they depend on the arguments of the call.
-    pub(super) fn ports_of(&mut self, callable: &Callable, span: Span) -> Option<Ports> {
-        match callable {
-            Callable::Unit(id, statics, fixed) => self.ports_of_unit(*id, statics, fixed, span),
-            Callable::Predef(predef) => {
-                let (takes, gives) = predef.signature()?;
-                let inputs = takes.into_iter().zip(1..);
-                let inputs = inputs.map(|(ty, k)| Named::new(format!("i{k}"), ty, span));
-                Some(Ports {
-                    inputs: inputs.collect(),
-                    outputs: vec![Named::new("out".to_owned(), gives, span)],
-                })
-            }
-            Callable::Iteration(iteration) => {
-                let mut ports = self.ports_of(iteration.callee()?, span)?;
-                for ports in [&mut ports.inputs, &mut ports.outputs] {
-                    for (place, port) in ports.iter_mut().enumerate() {
-                        port.ty = iteration.port_type(place, &port.ty);
-                    }
+/// Returns the ports of a callable; `None` if they depend on the arguments of the call.
+pub(super) fn callable_ports(
+    cx: &mut Body<'_, '_>,
+    callable: &Callable,
+    span: Span,
+) -> Option<Ports> {
+    match callable {
+        Callable::Unit(id, statics, fixed) => unit_ports(cx, *id, statics, fixed, span),
+        Callable::Predef(predef) => {
+            let (takes, gives) = predef.signature()?;
+            let inputs = takes.into_iter().zip(1..);
+            let inputs = inputs.map(|(ty, k)| Named::new(format!("i{k}"), ty, span));
+            Some(Ports {
+                inputs: inputs.collect(),
+                outputs: vec![Named::new("out".to_owned(), gives, span)],
+            })
+        }
+        Callable::Iteration(iteration) => {
+            let mut ports = callable_ports(cx, iteration.callee()?, span)?;
+            for ports in [&mut ports.inputs, &mut ports.outputs] {
+                for (place, port) in ports.iter_mut().enumerate() {
+                    port.ty = iteration.port_type(place, &port.ty);
                 }
-                Some(ports)
             }
-            Callable::Open(header) => Some(Ports {
-                inputs: header.inputs.iter().map(Named::from).collect(),
-                outputs: header.outputs.iter().map(Named::from).collect(),
-            }),
-            Callable::Prim(_) | Callable::Op(_) | Callable::Special(_) => None,
+            Some(ports)
         }
-    }
-
-    fn ports_of_unit(
-        &mut self,
-        id: DeclId,
-        statics: &Statics,
-        fixed: &[(Name, Fixed)],
-        span: Span,
-    ) -> Option<Ports> {
-        let mut statics = statics.clone();
-        let is_fixed = |name: &Name| fixed.iter().any(|(fixed, _)| fixed == name);
-        let mut open = self.c.complete(id, &mut statics);
-        open.retain(|name| !is_fixed(name));
-        let params = self.c.params_of(id);
-        let is_type = |name: &Name| {
-            let mut params = params.iter();
-            params.any(|param| matches!(param, Param::Type(..)) && param.name().name == *name)
-        };
-        if open.iter().any(is_type) {
-            // The types are inferred from the arguments of a call.
-            return None;
-        }
-        let header = self.c.header_without(id, Rc::new(statics), &open, span);
-        let Some(header) = header else {
-            let decl = self.c.program.decl(id);
-            let finding = missing(&decl.name, &open, span, decl.span);
-            self.findings.extend((!open.is_empty()).then_some(finding));
-            return None;
-        };
-        let is_given = |port: &&Port| !is_fixed(&port.name) && !open.contains(&port.name);
-        Some(Ports {
-            inputs: header
-                .inputs
-                .iter()
-                .filter(is_given)
-                .map(Named::from)
-                .collect(),
+        Callable::Open(header) => Some(Ports {
+            inputs: header.inputs.iter().map(Named::from).collect(),
             outputs: header.outputs.iter().map(Named::from).collect(),
-        })
+        }),
+        Callable::Prim(_) | Callable::Op(_) | Callable::Special(_) => None,
     }
+}
 
-    /// Checks the body of an alias: one call of the target that connects all in-ports and out-ports.
-    pub(super) fn check_alias(&mut self, callee: &'a Callee) {
-        let span = callee.span;
-        let callable = self.callable(&callee.name.name, &callee.statics, span);
-        let Some(callable) = callable.filter(|_| !self.unit.outputs.is_empty()) else {
-            return;
-        };
-        let args = self.unit.inputs.clone().into_iter();
-        let given = args.map(|flow| Given::plain(self.flow_expr(flow, span)));
-        let given = given.collect();
-        let value = self.apply(&callable, given, Activation::Always, span);
-        let targets = self.unit.outputs.iter().map(|id| Target {
-            place: Place::Flow { flow: *id, at: 0 },
-            ty: self.unit.flow(*id).ty.clone(),
-            span,
-        });
-        let equation = Equation {
-            targets: targets.collect(),
-            value,
-            span,
-        };
-        self.current().equations.push(equation);
+fn unit_ports(
+    cx: &mut Body<'_, '_>,
+    id: DeclId,
+    statics: &Statics,
+    fixed: &[(Name, Fixed)],
+    span: Span,
+) -> Option<Ports> {
+    let mut statics = statics.clone();
+    let is_fixed = |name: &Name| fixed.iter().any(|(fixed, _)| fixed == name);
+    let mut open = cx.c.complete(id, &mut statics);
+    open.retain(|name| !is_fixed(name));
+    let params = cx.c.params_of(id);
+    let is_type = |name: &Name| {
+        let mut params = params.iter();
+        params.any(|param| matches!(param, Param::Type(..)) && param.name().name == *name)
+    };
+    if open.iter().any(is_type) {
+        // The types are inferred from the arguments of a call.
+        return None;
     }
+    let header = cx.c.header_without(id, Rc::new(statics), &open, span);
+    let Some(header) = header else {
+        let decl = cx.c.program.decl(id);
+        let finding = missing(&decl.name, &open, span, decl.span);
+        cx.findings.extend((!open.is_empty()).then_some(finding));
+        return None;
+    };
+    let is_given = |port: &&Port| !is_fixed(&port.name) && !open.contains(&port.name);
+    Some(Ports {
+        inputs: header
+            .inputs
+            .iter()
+            .filter(is_given)
+            .map(Named::from)
+            .collect(),
+        outputs: header.outputs.iter().map(Named::from).collect(),
+    })
+}
+
+/// Checks the body of an alias: one call of the target that connects all in-ports and out-ports.
+pub(super) fn check_alias<'a>(cx: &mut Body<'_, 'a>, callee: &'a Callee) {
+    let span = callee.span;
+    let callable = call::resolve_callable(cx, &callee.name.name, &callee.statics, span);
+    let Some(callable) = callable.filter(|_| !cx.unit.outputs.is_empty()) else {
+        return;
+    };
+    let args = cx.unit.inputs.clone().into_iter();
+    let given = args.map(|flow| Given::plain(names::flow_expr(cx, flow, span)));
+    let given = given.collect();
+    let value = call::call_callable(cx, &callable, given, Activation::Always, span);
+    let targets = cx.unit.outputs.iter().map(|id| Target {
+        place: Place::Flow { flow: *id, at: 0 },
+        ty: cx.unit.flow(*id).ty.clone(),
+        span,
+    });
+    let equation = Equation {
+        targets: targets.collect(),
+        value,
+        span,
+    };
+    cx.current().equations.push(equation);
 }

@@ -1,7 +1,9 @@
 //! Help texts and fixes for operands that an operator does not accept.
 
 use super::body::Body;
+use super::machine;
 use super::quantity;
+use super::report;
 use super::report::listed;
 use crate::ty::{MachineInt, Ty};
 use crate::typed::ExprId;
@@ -12,73 +14,80 @@ use rpi_syntax::ops::BinaryOp::{
     self, And, Div, Implies, Mul, Or, Pow, ShiftLeft, ShiftRight, Xor,
 };
 
-impl Body<'_, '_> {
-    /// Adds help or a fix to the diagnostic about two operands that the operator does not accept.
-    pub(super) fn operands_apart(
-        &self,
-        finding: Finding,
-        op: BinaryOp,
-        (left, a): (ExprId, &Ty),
-        (right, b): (ExprId, &Ty),
-    ) -> Finding {
-        let mixed = |finding, int, dim| self.made_real(finding, op, int, dim);
-        match (a, b) {
-            (Ty::Bool | Ty::Int | Ty::Real(_), Ty::Bool | Ty::Int | Ty::Real(_))
-                if matches!(op, And | Or | Xor | Implies) =>
-            {
-                finding.help("a condition is a comparison: `x <> 0`, `x > 0.0`")
-            }
-            (Ty::Int, Ty::Real(dim)) => mixed(finding, left, *dim),
-            (Ty::Real(dim), Ty::Int) => mixed(finding, right, *dim),
-            (Ty::Int, Ty::Duration) if self.is_number(left) => mixed(finding, left, Dim::TIME),
-            (Ty::Duration, Ty::Int) if self.is_number(right) => mixed(finding, right, Dim::TIME),
-            (Ty::Tuple(members), _) | (_, Ty::Tuple(members)) => {
-                let names = members.iter().filter_map(|m| m.name.as_deref());
-                finding.help(format!(
-                    "select one output of the call by its name: {}",
-                    listed(names)
-                ))
-            }
-            (Ty::Machine(of), Ty::Int) => self.as_machine(finding, *of, right),
-            (Ty::Int, Ty::Machine(of)) => self.as_machine(finding, *of, left),
-            (Ty::Machine(of), Ty::Machine(_)) if matches!(op, ShiftLeft | ShiftRight) => {
-                let to = MachineInt {
-                    signed: false,
-                    ..*of
-                }
-                .conversion();
-                finding.help(format!("the shift count must be unsigned: `({to} n)`"))
-            }
-            (Ty::Machine(of), Ty::Machine(_)) => {
-                finding.help(format!("convert one of them: `({} x)`", of.conversion()))
-            }
-            (Ty::Bool, _) | (_, Ty::Bool) => {
-                finding.help("convert a Boolean to a number by `if c then 1 else 0`")
-            }
-            (Ty::Array(..), _) | (_, Ty::Array(..)) => finding.help(element_by_element(op, a, b)),
-            (Ty::Spatial(Pose, _), Ty::Spatial(Pose, _)) => finding
-                .help("compose poses by `*`: `(b in a) * (c in b)` is the pose of `c` in `a`"),
-            (Ty::Spatial(Vector, _), Ty::Real(_)) | (Ty::Real(_), Ty::Spatial(Vector, _)) => {
-                finding.help(
-                    "add a vector: `point(x, y, z)`; or scale the vector by a number with `*`",
-                )
-            }
-            _ => finding,
+/// Adds help or a fix to the diagnostic about two operands that the operator does not accept.
+pub(super) fn with_operand_hints(
+    cx: &Body<'_, '_>,
+    finding: Finding,
+    op: BinaryOp,
+    (left, a): (ExprId, &Ty),
+    (right, b): (ExprId, &Ty),
+) -> Finding {
+    let mixed = |finding, int, dim| with_int_operand_fix(cx, finding, op, int, dim);
+    match (a, b) {
+        (Ty::Bool | Ty::Int | Ty::Real(_), Ty::Bool | Ty::Int | Ty::Real(_))
+            if matches!(op, And | Or | Xor | Implies) =>
+        {
+            finding.help("a condition is a comparison: `x <> 0`, `x > 0.0`")
         }
+        (Ty::Int, Ty::Real(dim)) => mixed(finding, left, *dim),
+        (Ty::Real(dim), Ty::Int) => mixed(finding, right, *dim),
+        (Ty::Int, Ty::Duration) if report::is_number_literal(cx, left) => {
+            mixed(finding, left, Dim::TIME)
+        }
+        (Ty::Duration, Ty::Int) if report::is_number_literal(cx, right) => {
+            mixed(finding, right, Dim::TIME)
+        }
+        (Ty::Tuple(members), _) | (_, Ty::Tuple(members)) => {
+            let names = members.iter().filter_map(|m| m.name.as_deref());
+            finding.help(format!(
+                "select one output of the call by its name: {}",
+                listed(names)
+            ))
+        }
+        (Ty::Machine(of), Ty::Int) => machine::with_conversion_fix(cx, finding, *of, right),
+        (Ty::Int, Ty::Machine(of)) => machine::with_conversion_fix(cx, finding, *of, left),
+        (Ty::Machine(of), Ty::Machine(_)) if matches!(op, ShiftLeft | ShiftRight) => {
+            let to = MachineInt {
+                signed: false,
+                ..*of
+            }
+            .conversion();
+            finding.help(format!("the shift count must be unsigned: `({to} n)`"))
+        }
+        (Ty::Machine(of), Ty::Machine(_)) => {
+            finding.help(format!("convert one of them: `({} x)`", of.conversion()))
+        }
+        (Ty::Bool, _) | (_, Ty::Bool) => {
+            finding.help("convert a Boolean to a number by `if c then 1 else 0`")
+        }
+        (Ty::Array(..), _) | (_, Ty::Array(..)) => finding.help(element_by_element(op, a, b)),
+        (Ty::Spatial(Pose, _), Ty::Spatial(Pose, _)) => {
+            finding.help("compose poses by `*`: `(b in a) * (c in b)` is the pose of `c` in `a`")
+        }
+        (Ty::Spatial(Vector, _), Ty::Real(_)) | (Ty::Real(_), Ty::Spatial(Vector, _)) => {
+            finding.help("add a vector: `point(x, y, z)`; or scale the vector by a number with `*`")
+        }
+        _ => finding,
     }
+}
 
-    /// Adds a fix for an integer operand beside a real one: a unit for a literal beside a quantity, else a conversion
-    /// to real.
-    fn made_real(&self, finding: Finding, op: BinaryOp, int: ExprId, dim: Dim) -> Finding {
-        match op {
-            // Not applied automatically: other languages group `a ** b ** c` differently.
-            Pow => finding.fix(self.as_real(int).doubted()),
-            Mul | Div => finding.fix(self.as_real(int)),
-            _ if self.is_number(int) && dim != Dim::ONE => {
-                quantity::with_units(finding, dim, self.span_of(int))
-            }
-            _ => finding.fix(self.as_real(int)),
+/// Adds a fix for an integer operand beside a real one: a unit for a literal beside a quantity, else a conversion
+/// to real.
+fn with_int_operand_fix(
+    cx: &Body<'_, '_>,
+    finding: Finding,
+    op: BinaryOp,
+    int: ExprId,
+    dim: Dim,
+) -> Finding {
+    match op {
+        // Not applied automatically: other languages group `a ** b ** c` differently.
+        Pow => finding.fix(report::to_real_fix(cx, int).doubted()),
+        Mul | Div => finding.fix(report::to_real_fix(cx, int)),
+        _ if report::is_number_literal(cx, int) && dim != Dim::ONE => {
+            quantity::with_units(finding, dim, cx.span_of(int))
         }
+        _ => finding.fix(report::to_real_fix(cx, int)),
     }
 }
 

@@ -1,10 +1,15 @@
 //! Arguments of a call and their assignment to ports.
 
 use super::body::Body;
+use super::expr;
 use super::header::{Header, Port};
+use super::locals;
 use super::names::plain_name;
+use super::reorder;
+use super::report;
 use super::report::{Wanted, listed};
 use super::spread::{self, Piece};
+use super::time;
 use crate::program::DeclId;
 use crate::ty::{Subst, Ty, fit};
 use crate::typed::{ExprId, FlowRole, Kind, UnitKind};
@@ -36,368 +41,394 @@ impl<'a> Given<'a> {
     }
 }
 
-impl<'a> Body<'_, 'a> {
-    /// Checks the arguments of a call without comparing them with ports.
-    pub(super) fn given(&mut self, args: &'a [Arg]) -> Vec<Given<'a>> {
-        args.iter().map(|arg| self.given_one(arg)).collect()
-    }
+/// Checks the arguments of a call without comparing them with ports.
+pub(super) fn check_args<'a>(cx: &mut Body<'_, 'a>, args: &'a [Arg]) -> Vec<Given<'a>> {
+    args.iter().map(|arg| check_arg(cx, arg)).collect()
+}
 
-    fn given_one(&mut self, arg: &'a Arg) -> Given<'a> {
-        let value = self.expr(&arg.value);
-        Given {
-            name: arg.name.as_ref(),
-            value,
-            is_static: false,
+fn check_arg<'a>(cx: &mut Body<'_, 'a>, arg: &'a Arg) -> Given<'a> {
+    let value = expr::check_expr(cx, &arg.value);
+    Given {
+        name: arg.name.as_ref(),
+        value,
+        is_static: false,
+    }
+}
+
+/// Checks the arguments of a call of a declaration. Returns `false` if an argument is named by `=` instead of `:`,
+/// which has then been reported.
+pub(super) fn check_args_for<'a>(
+    cx: &mut Body<'_, 'a>,
+    id: DeclId,
+    args: &[&'a Arg],
+) -> (Vec<Given<'a>>, bool) {
+    let told = cx.findings.len();
+    let named = args.iter().filter(|arg| arg.name.is_none());
+    let wrong = named
+        .filter(|arg| report_arg_named_by_eq(cx, id, &arg.value))
+        .count();
+    if wrong > 0 {
+        merge_named_by_eq(cx, told);
+        return (Vec::new(), false);
+    }
+    (args.iter().map(|arg| check_arg(cx, arg)).collect(), true)
+}
+
+/// Merges the diagnostics about arguments named by `=` that were added since there were `told` diagnostics.
+fn merge_named_by_eq(cx: &mut Body<'_, '_>, told: usize) {
+    let by_eq = |finding: &Finding| finding.code == Code::RPI1010;
+    let mut others = cx.findings.split_off(told).into_iter();
+    let Some(mut first) = others.find(by_eq) else {
+        return;
+    };
+    let mut rest = Vec::new();
+    for finding in others {
+        if !by_eq(&finding) {
+            rest.push(finding);
+            continue;
+        }
+        first = first.also(finding.span(), "and here");
+        let edits = finding.fixes.into_iter().flat_map(|fix| fix.edits);
+        if let Some(fix) = first.fixes.first_mut() {
+            fix.edits.extend(edits);
         }
     }
+    cx.findings.push(first);
+    cx.findings.extend(rest);
+}
 
-    /// Checks the arguments of a call of a declaration. Returns `false` if an argument is named by `=` instead of `:`,
-    /// which has then been reported.
-    pub(super) fn given_to(&mut self, id: DeclId, args: &[&'a Arg]) -> (Vec<Given<'a>>, bool) {
-        let told = self.findings.len();
-        let named = args.iter().filter(|arg| arg.name.is_none());
-        let wrong = named.filter(|arg| self.named_by_eq(id, &arg.value)).count();
-        if wrong > 0 {
-            self.one_of_call(told);
-            return (Vec::new(), false);
-        }
-        (args.iter().map(|arg| self.given_one(arg)).collect(), true)
+/// Whether the expression is `x = e` where `x` is meant as the name of an argument; reported if so.
+pub(super) fn report_arg_named_by_eq<'a>(
+    cx: &mut Body<'_, 'a>,
+    id: DeclId,
+    value: &'a Expr,
+) -> bool {
+    let ExprKind::Binary(binary) = &value.kind else {
+        return false;
+    };
+    let is_sign = matches!(binary.op, BinaryOp::Eq | BinaryOp::Implies);
+    let Some(name) = plain_name(&binary.lhs).filter(|_| is_sign) else {
+        return false;
+    };
+    if locals::find_local(cx, name).is_some() || !cx.c.takes(id, name) {
+        return false;
     }
+    let between = Span {
+        start: binary.lhs.span.end,
+        end: binary.rhs.span.start,
+        ..value.span
+    };
+    let finding = Finding::new(
+        Code::RPI1010,
+        format!("expected `:` after the argument name `{name}`"),
+    )
+    .at(
+        between,
+        format!("`{}` is a comparison", binary.op.spelling()),
+    )
+    // Not applied automatically: another argument of the call may really be a comparison of flows.
+    .fix(Fix::maybe(format!("write `{name}: ...`")).replace(between, ": "));
+    report::report_diagnostic(cx, finding);
+    expr::check_expr(cx, &binary.rhs);
+    true
+}
 
-    /// Merges the diagnostics about arguments named by `=` that were added since there were `told` diagnostics.
-    fn one_of_call(&mut self, told: usize) {
-        let by_eq = |finding: &Finding| finding.code == Code::RPI1010;
-        let mut others = self.findings.split_off(told).into_iter();
-        let Some(mut first) = others.find(by_eq) else {
-            return;
-        };
-        let mut rest = Vec::new();
-        for finding in others {
-            if !by_eq(&finding) {
-                rest.push(finding);
-                continue;
+/// Replaces positional arguments that are tuples by their elements: `f(g(x))` where `g` has two outputs.
+pub(super) fn flatten_tuple_args<'a>(
+    cx: &mut Body<'_, 'a>,
+    given: Vec<Given<'a>>,
+) -> Vec<Given<'a>> {
+    let mut all = Vec::with_capacity(given.len());
+    for arg in given {
+        match cx.ty_of(arg.value) {
+            Ty::Tuple(_) if arg.name.is_none() => {
+                let parts = tuple_elements(cx, arg.value);
+                all.extend(parts.into_iter().map(Given::plain));
             }
-            first = first.also(finding.span(), "and here");
-            let edits = finding.fixes.into_iter().flat_map(|fix| fix.edits);
-            if let Some(fix) = first.fixes.first_mut() {
-                fix.edits.extend(edits);
-            }
+            _ => all.push(arg),
         }
-        self.findings.push(first);
-        self.findings.extend(rest);
     }
+    all
+}
 
-    /// Whether the expression is `x = e` where `x` is meant as the name of an argument; reported if so.
-    pub(super) fn named_by_eq(&mut self, id: DeclId, value: &'a Expr) -> bool {
-        let ExprKind::Binary(binary) = &value.kind else {
-            return false;
+/// Replaces positional arguments that are tuples by their elements, except where the port takes a tuple.
+fn flatten_tuple_args_for<'a>(
+    cx: &mut Body<'_, 'a>,
+    header: &Header,
+    given: &[Given<'a>],
+) -> Vec<Given<'a>> {
+    let is_tuple = |arg: &Given<'_>| matches!(cx.ty_of(arg.value), Ty::Tuple(_));
+    let (named, placed): (Vec<Given<'a>>, Vec<Given<'a>>) =
+        given.iter().partition(|arg| arg.name.is_some());
+    if !placed.iter().any(is_tuple) {
+        return given.to_vec();
+    }
+    let is_named = |k: &usize| {
+        let mut names = named.iter().filter_map(|arg| arg.name);
+        names.any(|name| name.name == header.inputs[*k].name)
+    };
+    let ports = by_place(header).into_iter().filter(|k| !is_named(k));
+    let wanted: Vec<Option<&Ty>> = ports.map(|k| Some(&header.inputs[k].ty)).collect();
+    let values: Vec<ExprId> = placed.iter().map(|arg| arg.value).collect();
+    let types: Vec<Ty> = values.iter().map(|id| cx.ty_of(*id).clone()).collect();
+    let pieces = spread::pieces(&types, &wanted).into_iter();
+    let spread = pieces.map(|piece| match piece.ty == types[piece.of] {
+        true => placed[piece.of],
+        false => Given::plain(add_piece(cx, values[piece.of], piece)),
+    });
+    named
+        .into_iter()
+        .chain(spread.collect::<Vec<_>>())
+        .collect()
+}
+
+/// Adds an expression for a part of a tuple.
+fn add_piece(cx: &mut Body<'_, '_>, base: ExprId, piece: Piece) -> ExprId {
+    let span = cx.span_of(base);
+    let at = piece.at;
+    cx.add(Kind::Part { base, at }, piece.ty, span)
+}
+
+/// Returns the elements of a tuple as expressions.
+pub(super) fn tuple_elements(cx: &mut Body<'_, '_>, base: ExprId) -> Vec<ExprId> {
+    let pieces = spread::all(cx.ty_of(base)).into_iter();
+    pieces.map(|piece| add_piece(cx, base, piece)).collect()
+}
+
+/// Returns the argument of each in-port of a callable. Reports unknown, missing and excess arguments and returns
+/// `None` if there are any.
+pub(super) fn match_args_to_ports<'a>(
+    cx: &mut Body<'_, 'a>,
+    header: &Rc<Header>,
+    given: &[Given<'a>],
+    span: Span,
+) -> Option<Vec<Option<ExprId>>> {
+    let given = &flatten_tuple_args_for(cx, header, given)[..];
+    let mut args = vec![None; header.inputs.len()];
+    let mut places = by_place(header).into_iter();
+    let mut sound = true;
+    for arg in given {
+        let port = match arg.name {
+            Some(name) => header.inputs.iter().position(|p| p.name == name.name),
+            None => places.find(|k| args[*k].is_none()),
         };
-        let is_sign = matches!(binary.op, BinaryOp::Eq | BinaryOp::Implies);
-        let Some(name) = plain_name(&binary.lhs).filter(|_| is_sign) else {
-            return false;
+        sound &= match port {
+            Some(k) => assign_arg(cx, header, &mut args, k, arg),
+            None => report_unexpected_arg(cx, header, arg, given),
         };
-        if self.find_local(name).is_some() || !self.c.takes(id, name) {
-            return false;
-        }
-        let between = Span {
-            start: binary.lhs.span.end,
-            end: binary.rhs.span.start,
-            ..value.span
-        };
+    }
+    // An argument with a misspelt name is not reported as missing as well.
+    (sound && check_missing_args(cx, header, &args, span)).then_some(args)
+}
+
+/// Assigns an argument to port `k`. Reports a second argument for the port and an argument that must be fixed at
+/// load time but is not.
+fn assign_arg<'a>(
+    cx: &mut Body<'_, 'a>,
+    header: &Header,
+    args: &mut [Option<ExprId>],
+    k: usize,
+    arg: &Given<'a>,
+) -> bool {
+    let port = &header.inputs[k];
+    if let Some(first) = args[k].replace(arg.value) {
+        let finding = Finding::new(Code::RPI1010, format!("`{}` is given twice", port.name))
+            .at(cx.span_of(arg.value), "given again here")
+            .also(cx.span_of(first), "first given here");
+        report::report_diagnostic(cx, finding);
+        return false;
+    }
+    if arg.is_static && !is_load_time_constant(cx, arg.value) {
         let finding = Finding::new(
-            Code::RPI1010,
-            format!("expected `:` after the argument name `{name}`"),
+            Code::RPI2008,
+            format!("`{}` must be fixed when the command is loaded", port.name),
         )
         .at(
-            between,
-            format!("`{}` is a comparison", binary.op.spelling()),
+            cx.span_of(arg.value),
+            "this changes while the command runs",
         )
-        // Not applied automatically: another argument of the call may really be a comparison of flows.
-        .fix(Fix::maybe(format!("write `{name}: ...`")).replace(between, ": "));
-        self.report(finding);
-        self.expr(&binary.rhs);
-        true
-    }
-
-    /// Replaces positional arguments that are tuples by their elements: `f(g(x))` where `g` has two outputs.
-    pub(super) fn spread_tuples(&mut self, given: Vec<Given<'a>>) -> Vec<Given<'a>> {
-        let mut all = Vec::with_capacity(given.len());
-        for arg in given {
-            match self.ty_of(arg.value) {
-                Ty::Tuple(_) if arg.name.is_none() => {
-                    let parts = self.parts_of(arg.value);
-                    all.extend(parts.into_iter().map(Given::plain));
-                }
-                _ => all.push(arg),
-            }
-        }
-        all
-    }
-
-    /// Replaces positional arguments that are tuples by their elements, except where the port takes a tuple.
-    fn spread_for(&mut self, header: &Header, given: &[Given<'a>]) -> Vec<Given<'a>> {
-        let is_tuple = |arg: &Given<'_>| matches!(self.ty_of(arg.value), Ty::Tuple(_));
-        let (named, placed): (Vec<Given<'a>>, Vec<Given<'a>>) =
-            given.iter().partition(|arg| arg.name.is_some());
-        if !placed.iter().any(is_tuple) {
-            return given.to_vec();
-        }
-        let is_named = |k: &usize| {
-            let mut names = named.iter().filter_map(|arg| arg.name);
-            names.any(|name| name.name == header.inputs[*k].name)
-        };
-        let ports = by_place(header).into_iter().filter(|k| !is_named(k));
-        let wanted: Vec<Option<&Ty>> = ports.map(|k| Some(&header.inputs[k].ty)).collect();
-        let values: Vec<ExprId> = placed.iter().map(|arg| arg.value).collect();
-        let types: Vec<Ty> = values.iter().map(|id| self.ty_of(*id).clone()).collect();
-        let pieces = spread::pieces(&types, &wanted).into_iter();
-        let spread = pieces.map(|piece| match piece.ty == types[piece.of] {
-            true => placed[piece.of],
-            false => Given::plain(self.piece(values[piece.of], piece)),
+        .help(match port.role {
+            FlowRole::Param => format!(
+                "arguments in `<<...>>` are fixed at load time; in `{}`, declare `{}` as an in-port to let it change",
+                short(&header.name),
+                port.name
+            ),
+            _ => format!(
+                "arguments in `<<...>>` are fixed at load time; pass this one in `(...)`: `{}: x`",
+                port.name
+            ),
         });
-        named
-            .into_iter()
-            .chain(spread.collect::<Vec<_>>())
-            .collect()
+        report::report_diagnostic(cx, finding);
+        return false;
     }
-
-    /// Adds an expression for a part of a tuple.
-    fn piece(&mut self, base: ExprId, piece: Piece) -> ExprId {
-        let span = self.span_of(base);
-        let at = piece.at;
-        self.add(Kind::Part { base, at }, piece.ty, span)
-    }
-
-    /// Returns the elements of a tuple as expressions.
-    pub(super) fn parts_of(&mut self, base: ExprId) -> Vec<ExprId> {
-        let pieces = spread::all(self.ty_of(base)).into_iter();
-        pieces.map(|piece| self.piece(base, piece)).collect()
-    }
-
-    /// Returns the argument of each in-port of a callable. Reports unknown, missing and excess arguments and returns
-    /// `None` if there are any.
-    pub(super) fn match_ports(
-        &mut self,
-        header: &Rc<Header>,
-        given: &[Given<'a>],
-        span: Span,
-    ) -> Option<Vec<Option<ExprId>>> {
-        let given = &self.spread_for(header, given)[..];
-        let mut args = vec![None; header.inputs.len()];
-        let mut places = by_place(header).into_iter();
-        let mut sound = true;
-        for arg in given {
-            let port = match arg.name {
-                Some(name) => header.inputs.iter().position(|p| p.name == name.name),
-                None => places.find(|k| args[*k].is_none()),
-            };
-            sound &= match port {
-                Some(k) => self.give(header, &mut args, k, arg),
-                None => self.no_port(header, arg, given),
-            };
-        }
-        // An argument with a misspelt name is not reported as missing as well.
-        (sound && self.all_given(header, &args, span)).then_some(args)
-    }
-
-    /// Assigns an argument to port `k`. Reports a second argument for the port and an argument that must be fixed at
-    /// load time but is not.
-    fn give(
-        &mut self,
-        header: &Header,
-        args: &mut [Option<ExprId>],
-        k: usize,
-        arg: &Given<'a>,
-    ) -> bool {
-        let port = &header.inputs[k];
-        if let Some(first) = args[k].replace(arg.value) {
-            let finding = Finding::new(Code::RPI1010, format!("`{}` is given twice", port.name))
-                .at(self.span_of(arg.value), "given again here")
-                .also(self.span_of(first), "first given here");
-            self.report(finding);
-            return false;
-        }
-        if arg.is_static && !self.is_fixed(arg.value) {
-            let finding = Finding::new(
-                Code::RPI2008,
-                format!("`{}` must be fixed when the command is loaded", port.name),
-            )
-            .at(
-                self.span_of(arg.value),
-                "this changes while the command runs",
-            )
-            .help(match port.role {
-                FlowRole::Param => format!(
-                    "arguments in `<<...>>` are fixed at load time; in `{}`, declare `{}` as an in-port to let it change",
-                    short(&header.name),
-                    port.name
-                ),
-                _ => format!(
-                    "arguments in `<<...>>` are fixed at load time; pass this one in `(...)`: `{}: x`",
-                    port.name
-                ),
-            });
-            self.report(finding);
-            return false;
-        }
-        if !arg.is_static && port.role == FlowRole::Param && !self.is_fixed(arg.value) {
-            let finding = Finding::new(
-                Code::RPI2008,
-                format!(
-                    "the parameter `{}` of `{}` must be fixed when the command is loaded",
-                    port.name, header.name
-                ),
-            )
-            .at(
-                self.span_of(arg.value),
-                "this changes while the command runs",
-            )
-            .also(port.span, "declared as a parameter here");
-            self.report(finding);
-            return false;
-        }
-        true
-    }
-
-    /// Reports named arguments that match no port or parameter of a declaration; returns whether there are any.
-    pub(super) fn report_strangers(&mut self, id: DeclId, given: &[Given<'a>]) -> bool {
-        let ports = self.c.ports_of(id);
-        let params = self.c.params_of(id);
-        let names = ports.chain(params.iter().map(|param| &param.name().name));
-        let names: Vec<&Name> = names.collect();
-        let decl = self.c.program.decl(id);
-        let named = given.iter().filter_map(|arg| arg.name);
-        let strangers = named.filter(|name| !names.contains(&&name.name));
-        let strangers: Vec<Finding> = strangers
-            .map(|name| stranger(&decl.name, decl.span, &names, name, given))
-            .collect();
-        let any = !strangers.is_empty();
-        strangers
-            .into_iter()
-            .for_each(|finding| self.report(finding));
-        any
-    }
-
-    /// Reports an argument without a matching port; returns `false`.
-    fn no_port(&mut self, header: &Header, arg: &Given<'a>, given: &[Given<'a>]) -> bool {
-        let (ports, count) = (by_place(header).len(), given.len());
-        let finding = match arg.name {
-            Some(name) => {
-                let names: Vec<&Name> = header.inputs.iter().map(|p| &p.name).collect();
-                stranger(&header.name, header.span, &names, name, given)
-            }
-            None => Finding::new(
-                Code::RPI1010,
-                format!(
-                    "`{}` takes {}, found {count}",
-                    header.name,
-                    rpi_diag::counted(ports, "argument")
-                ),
-            )
-            .at(self.span_of(arg.value), "unexpected argument")
-            .also(header.span, "declared here")
-            .help(format!("it is declared as `{}`", signature(header))),
-        };
-        self.report(finding);
-        false
-    }
-
-    /// Whether every port without a default has an argument; reports the missing ones.
-    fn all_given(&mut self, header: &Rc<Header>, args: &[Option<ExprId>], span: Span) -> bool {
-        let ports = header.inputs.iter().enumerate().zip(args);
-        // Values that a command takes over from its predecessor are not arguments.
-        let open = ports.filter(|((_, port), arg)| {
-            arg.is_none() && !port.has_default && port.role != FlowRole::Given
-        });
-        let open: Vec<(usize, &Port)> = open.map(|(port, _)| port).collect();
-        let may_lack = open.iter().all(|(_, port)| port.is_static) && !self.inferring;
-        if open.is_empty() || may_lack && self.c.reads_none(header, &open, span) {
-            return true;
-        }
-        let open: Vec<Name> = open.iter().map(|(_, port)| port.name.clone()).collect();
-        let names = listed(open.iter().map(Name::as_str));
+    if !arg.is_static && port.role == FlowRole::Param && !is_load_time_constant(cx, arg.value) {
         let finding = Finding::new(
-            Code::RPI1010,
-            format!("missing {names} of `{}`", header.name),
+            Code::RPI2008,
+            format!(
+                "the parameter `{}` of `{}` must be fixed when the command is loaded",
+                port.name, header.name
+            ),
         )
-        .at(span, "arguments are missing")
-        .also(header.span, "declared here")
-        .help(format!("it is declared as `{}`", signature(header)));
-        self.report(finding);
-        false
+        .at(cx.span_of(arg.value), "this changes while the command runs")
+        .also(port.span, "declared as a parameter here");
+        report::report_diagnostic(cx, finding);
+        return false;
     }
+    true
+}
 
-    /// Checks the types of the arguments and infers the free names of the signature into `subst`.
-    pub(super) fn fit_args(
-        &mut self,
-        header: &Header,
-        args: &mut [Option<ExprId>],
-        subst: &mut Subst,
-    ) -> bool {
-        let mut sound = true;
-        if self.reordered(header, args, subst) {
+/// Reports named arguments that match no port or parameter of a declaration; returns whether there are any.
+pub(super) fn report_unknown_args<'a>(
+    cx: &mut Body<'_, 'a>,
+    id: DeclId,
+    given: &[Given<'a>],
+) -> bool {
+    let ports = cx.c.ports_of(id);
+    let params = cx.c.params_of(id);
+    let names = ports.chain(params.iter().map(|param| &param.name().name));
+    let names: Vec<&Name> = names.collect();
+    let decl = cx.c.program.decl(id);
+    let named = given.iter().filter_map(|arg| arg.name);
+    let strangers = named.filter(|name| !names.contains(&&name.name));
+    let strangers: Vec<Finding> = strangers
+        .map(|name| stranger(&decl.name, decl.span, &names, name, given))
+        .collect();
+    let any = !strangers.is_empty();
+    strangers
+        .into_iter()
+        .for_each(|finding| report::report_diagnostic(cx, finding));
+    any
+}
+
+/// Reports an argument without a matching port; returns `false`.
+fn report_unexpected_arg<'a>(
+    cx: &mut Body<'_, 'a>,
+    header: &Header,
+    arg: &Given<'a>,
+    given: &[Given<'a>],
+) -> bool {
+    let (ports, count) = (by_place(header).len(), given.len());
+    let finding = match arg.name {
+        Some(name) => {
+            let names: Vec<&Name> = header.inputs.iter().map(|p| &p.name).collect();
+            stranger(&header.name, header.span, &names, name, given)
+        }
+        None => Finding::new(
+            Code::RPI1010,
+            format!(
+                "`{}` takes {}, found {count}",
+                header.name,
+                rpi_diag::counted(ports, "argument")
+            ),
+        )
+        .at(cx.span_of(arg.value), "unexpected argument")
+        .also(header.span, "declared here")
+        .help(format!("it is declared as `{}`", signature(header))),
+    };
+    report::report_diagnostic(cx, finding);
+    false
+}
+
+/// Whether every port without a default has an argument; reports the missing ones.
+fn check_missing_args(
+    cx: &mut Body<'_, '_>,
+    header: &Rc<Header>,
+    args: &[Option<ExprId>],
+    span: Span,
+) -> bool {
+    let ports = header.inputs.iter().enumerate().zip(args);
+    // Values that a command takes over from its predecessor are not arguments.
+    let open = ports.filter(|((_, port), arg)| {
+        arg.is_none() && !port.has_default && port.role != FlowRole::Given
+    });
+    let open: Vec<(usize, &Port)> = open.map(|(port, _)| port).collect();
+    let may_lack = open.iter().all(|(_, port)| port.is_static) && !cx.inferring;
+    if open.is_empty() || may_lack && cx.c.reads_none(header, &open, span) {
+        return true;
+    }
+    let open: Vec<Name> = open.iter().map(|(_, port)| port.name.clone()).collect();
+    let names = listed(open.iter().map(Name::as_str));
+    let finding = Finding::new(
+        Code::RPI1010,
+        format!("missing {names} of `{}`", header.name),
+    )
+    .at(span, "arguments are missing")
+    .also(header.span, "declared here")
+    .help(format!("it is declared as `{}`", signature(header)));
+    report::report_diagnostic(cx, finding);
+    false
+}
+
+/// Checks the types of the arguments and infers the free names of the signature into `subst`.
+pub(super) fn check_arg_types(
+    cx: &mut Body<'_, '_>,
+    header: &Header,
+    args: &mut [Option<ExprId>],
+    subst: &mut Subst,
+) -> bool {
+    let mut sound = true;
+    if reorder::report_wrong_order(cx, header, args, subst) {
+        return false;
+    }
+    time::convert_time_args(cx, header, args);
+    for (port, arg) in header.inputs.iter().zip(&*args) {
+        let Some(arg) = *arg else {
+            continue;
+        };
+        bind_device_frames(cx, port, arg, subst);
+        let found = cx.ty_of(arg).clone();
+        match fit(&port.ty, &found, subst) {
+            Ok(()) => sound &= expr::check_angle_unit(cx, arg, &port.ty),
+            Err(misfit) => {
+                let expected = port.ty.substituted(subst);
+                let text = format!("`{}` is `{expected}`", port.name);
+                report::type_mismatch(cx, arg, &expected, &misfit, &Wanted::By(port.span, text));
+                sound = false;
+            }
+        }
+    }
+    sound
+}
+
+/// Binds the frames of a device parameter to those of the device passed for it.
+fn bind_device_frames(cx: &mut Body<'_, '_>, port: &Port, arg: ExprId, subst: &mut Subst) {
+    let (Ty::Device(device), Kind::Flow(flow)) = (&port.ty, &cx.unit.expr(arg).kind) else {
+        return;
+    };
+    let outer = cx.unit.flow(*flow).name.clone();
+    for local in &device.frames {
+        let inner = format!("{}.{local}", port.name);
+        let outer = format!("{outer}.{local}");
+        subst.frames.insert(inner.into(), Some(outer.into()));
+    }
+}
+
+/// Whether a value is the same in all cycles, as it depends on constants and parameters only.
+pub(super) fn is_load_time_constant(cx: &Body<'_, '_>, id: ExprId) -> bool {
+    let mut parts = cx.unit.parts(id);
+    while let Some((id, expr)) = parts.next() {
+        let fixed = match &expr.kind {
+            Kind::Flow(flow) => cx.unit.flow(*flow).role == FlowRole::Param,
+            Kind::Sensor { .. } | Kind::When { .. } | Kind::Merge { .. } | Kind::Current(_) => {
+                false
+            }
+            Kind::Each(each, _) => {
+                matches!(each, crate::typed::Each::If | crate::typed::Each::Coalesce)
+            }
+            Kind::Prim(call) => {
+                let desc = call.prim.desc();
+                desc.role == rpi_image::Role::Compute
+                    && matches!(desc.state, rpi_image::State::None)
+            }
+            Kind::Call(call) => cx.c.units[call.unit.0 as usize].kind == UnitKind::Function,
+            _ => true,
+        };
+        if !fixed {
             return false;
         }
-        self.args_suit(header, args);
-        for (port, arg) in header.inputs.iter().zip(&*args) {
-            let Some(arg) = *arg else {
-                continue;
-            };
-            self.bind_device_frames(port, arg, subst);
-            let found = self.ty_of(arg).clone();
-            match fit(&port.ty, &found, subst) {
-                Ok(()) => sound &= self.angle_has_unit(arg, &port.ty),
-                Err(misfit) => {
-                    let expected = port.ty.substituted(subst);
-                    let text = format!("`{}` is `{expected}`", port.name);
-                    self.misfit(arg, &expected, &misfit, &Wanted::By(port.span, text));
-                    sound = false;
-                }
-            }
-        }
-        sound
+        parts.enter(id);
     }
-
-    /// Binds the frames of a device parameter to those of the device passed for it.
-    fn bind_device_frames(&mut self, port: &Port, arg: ExprId, subst: &mut Subst) {
-        let (Ty::Device(device), Kind::Flow(flow)) = (&port.ty, &self.unit.expr(arg).kind) else {
-            return;
-        };
-        let outer = self.unit.flow(*flow).name.clone();
-        for local in &device.frames {
-            let inner = format!("{}.{local}", port.name);
-            let outer = format!("{outer}.{local}");
-            subst.frames.insert(inner.into(), Some(outer.into()));
-        }
-    }
-
-    /// Whether a value is the same in all cycles, as it depends on constants and parameters only.
-    pub(super) fn is_fixed(&self, id: ExprId) -> bool {
-        let mut parts = self.unit.parts(id);
-        while let Some((id, expr)) = parts.next() {
-            let fixed = match &expr.kind {
-                Kind::Flow(flow) => self.unit.flow(*flow).role == FlowRole::Param,
-                Kind::Sensor { .. } | Kind::When { .. } | Kind::Merge { .. } | Kind::Current(_) => {
-                    false
-                }
-                Kind::Each(each, _) => {
-                    matches!(each, crate::typed::Each::If | crate::typed::Each::Coalesce)
-                }
-                Kind::Prim(call) => {
-                    let desc = call.prim.desc();
-                    desc.role == rpi_image::Role::Compute
-                        && matches!(desc.state, rpi_image::State::None)
-                }
-                Kind::Call(call) => self.c.units[call.unit.0 as usize].kind == UnitKind::Function,
-                _ => true,
-            };
-            if !fixed {
-                return false;
-            }
-            parts.enter(id);
-        }
-        true
-    }
+    true
 }
 
 /// Returns the name of a callable without the static arguments of the instance.

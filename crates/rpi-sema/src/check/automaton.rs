@@ -4,7 +4,11 @@
 //! that of the active state; it is absent if that state does not define it.
 
 use super::body::Body;
+use super::defaults;
+use super::locals;
 use super::locals::Local;
+use super::report;
+use super::statement;
 use super::statement::Later;
 use super::unknown;
 use crate::hash::{Map, Set};
@@ -21,237 +25,254 @@ type States<'a, 'm> = (&'a ast::Automaton, &'m Map<Name, u32>);
 /// could be large.
 const MISSING: usize = 8;
 
-impl<'a> Body<'_, 'a> {
-    /// Declares the states of an automaton, their bodies, and the flows that they share.
-    pub(super) fn declare_automaton(
-        &mut self,
-        automaton: &'a ast::Automaton,
-        span: Span,
-        later: &mut Vec<(BlockId, Later<'a>)>,
-    ) {
-        self.has_state(span);
-        let mut states = Vec::new();
-        self.one_of_each_name(automaton);
-        for state in &automaton.states {
-            let block = self.add_block(&state.name.name, state.name.span);
-            self.declare_state_name(&state.name, block);
-            states.push(State {
-                block,
-                unless: Vec::new(),
-                until: Vec::new(),
-            });
-        }
-        let index = self.current().automata.len();
-        let (shared, places) = self.shared_flows(automaton);
-        self.current().automata.push(Automaton {
-            states: states.clone(),
-            initial: initial(automaton),
-            shared,
-            span,
+/// Declares the states of an automaton, their bodies, and the flows that they share.
+pub(super) fn declare_automaton<'a>(
+    cx: &mut Body<'_, 'a>,
+    automaton: &'a ast::Automaton,
+    span: Span,
+    later: &mut Vec<(BlockId, Later<'a>)>,
+) {
+    cx.has_state(span);
+    let mut states = Vec::new();
+    report_duplicate_states(cx, automaton);
+    for state in &automaton.states {
+        let block = locals::add_block(cx, &state.name.name, state.name.span);
+        locals::declare_state_name(cx, &state.name, block);
+        states.push(State {
+            block,
+            unless: Vec::new(),
+            until: Vec::new(),
         });
-        for (state, ast) in states.iter().zip(&automaton.states) {
-            self.declare_state(index, state.block, ast, &places);
-            self.within(state.block, |body| body.declare_body(&ast.body, later));
-        }
-        let active = states.iter().zip(&automaton.states);
-        let active = active.filter(|(_, ast)| !is_only_passed(automaton, ast));
-        let active: Vec<BlockId> = active.map(|(state, _)| state.block).collect();
-        for place in 0..places.len() {
-            let block = &self.unit.blocks[self.block.0 as usize];
-            let inner = &block.automata[index].shared[place].states;
-            let defining = inner.iter().map(|flow| self.unit.flow(*flow).block);
-            let mut defining: Vec<BlockId> = defining.collect();
-            defining.sort_unstable();
-            let is_missing = |state: &&BlockId| defining.binary_search(state).is_err();
-            let missing = active.iter().filter(is_missing).take(MISSING);
-            self.current().automata[index].shared[place].missing = missing.copied().collect();
-        }
-        later.push((self.block, Later::Automaton(index, automaton)));
     }
+    let index = cx.current().automata.len();
+    let (shared, places) = declare_shared_flows(cx, automaton);
+    cx.current().automata.push(Automaton {
+        states: states.clone(),
+        initial: initial(automaton),
+        shared,
+        span,
+    });
+    for (state, ast) in states.iter().zip(&automaton.states) {
+        declare_state_flows(cx, index, state.block, ast, &places);
+        cx.within(state.block, |body| {
+            statement::declare_body(body, &ast.body, later)
+        });
+    }
+    let active = states.iter().zip(&automaton.states);
+    let active = active.filter(|(_, ast)| !is_only_passed(automaton, ast));
+    let active: Vec<BlockId> = active.map(|(state, _)| state.block).collect();
+    for place in 0..places.len() {
+        let block = &cx.unit.blocks[cx.block.0 as usize];
+        let inner = &block.automata[index].shared[place].states;
+        let defining = inner.iter().map(|flow| cx.unit.flow(*flow).block);
+        let mut defining: Vec<BlockId> = defining.collect();
+        defining.sort_unstable();
+        let is_missing = |state: &&BlockId| defining.binary_search(state).is_err();
+        let missing = active.iter().filter(is_missing).take(MISSING);
+        cx.current().automata[index].shared[place].missing = missing.copied().collect();
+    }
+    later.push((cx.block, Later::Automaton(index, automaton)));
+}
 
-    /// Returns the outer flow for each name that states define and do not declare (M14.4), in text order, and its index
-    /// by name.
-    fn shared_flows(&mut self, automaton: &'a ast::Automaton) -> (Vec<Shared>, Map<Name, usize>) {
-        let (mut flows, mut places) = (Vec::new(), Map::default());
-        for name in candidates(automaton) {
-            let flow = match self.find_in(self.block, &name.name) {
-                Some(Local::Flow(flow)) if self.unit.flow(flow).role.has_equation() => flow,
-                // A name that no equation may define, such as an in-port, cannot be defined in a state either.
-                Some(_) => continue,
-                None => {
-                    self.hides_no_constant(name);
-                    self.introduce_flow(name)
-                }
-            };
-            places.insert(name.name.clone(), flows.len());
-            flows.push(Shared {
-                flow,
-                states: Vec::new(),
-                missing: Vec::new(),
-                default: self.default_beside(flow),
+/// Returns the outer flow for each name that states define and do not declare (M14.4), in text order, and its index
+/// by name.
+fn declare_shared_flows<'a>(
+    cx: &mut Body<'_, 'a>,
+    automaton: &'a ast::Automaton,
+) -> (Vec<Shared>, Map<Name, usize>) {
+    let (mut flows, mut places) = (Vec::new(), Map::default());
+    for name in candidates(automaton) {
+        let flow = match locals::find_in_block(cx, cx.block, &name.name) {
+            Some(Local::Flow(flow)) if cx.unit.flow(flow).role.has_equation() => flow,
+            // A name that no equation may define, such as an in-port, cannot be defined in a state either.
+            Some(_) => continue,
+            None => {
+                statement::report_constant_redefinition(cx, name);
+                locals::introduce_flow(cx, name)
+            }
+        };
+        places.insert(name.name.clone(), flows.len());
+        flows.push(Shared {
+            flow,
+            states: Vec::new(),
+            missing: Vec::new(),
+            default: defaults::shared_flow_default(cx, flow),
+        });
+    }
+    (flows, places)
+}
+
+/// Declares the local version of each shared flow that a state defines.
+fn declare_state_flows<'a>(
+    cx: &mut Body<'_, 'a>,
+    index: usize,
+    block: BlockId,
+    state: &'a ast::State,
+    places: &Map<Name, usize>,
+) {
+    for name in all_defined_names(state) {
+        let Some(&place) = places.get(&name.name) else {
+            continue;
+        };
+        if locals::find_in_block(cx, block, &name.name).is_some() {
+            continue;
+        }
+        let outer = cx.current().automata[index].shared[place].flow;
+        let inner = cx.within(block, |body| {
+            let inner = add_contribution(body, name, outer);
+            locals::declare(body, name, Local::Flow(inner));
+            inner
+        });
+        cx.current().automata[index].shared[place]
+            .states
+            .push(inner);
+    }
+}
+
+/// Adds the flow of the current block that contributes to the shared flow `outer`. If `outer` is declared `T?`, it
+/// may be absent because of other states, so that the absence of this flow is inferred from its own equation.
+pub(super) fn add_contribution(cx: &mut Body<'_, '_>, name: &Ident, outer: FlowId) -> FlowId {
+    let shared = cx.unit.flow(outer);
+    let optional = match shared.optional {
+        Optional::Declared(false) if !shared.ty.is_unknown() => shared.optional,
+        _ => Optional::Inferred,
+    };
+    let ty = shared.ty.clone();
+    let version = locals::add_flow(cx, name, ty, optional, FlowRole::Local);
+    cx.shares.insert(version, outer);
+    cx.versions.entry(outer).or_default().push(version);
+    version
+}
+
+/// Returns the outer flows that a state's flow contributes to, innermost first.
+pub(super) fn enclosing_shared_flows<'s>(
+    cx: &'s Body<'_, '_>,
+    flow: FlowId,
+) -> impl Iterator<Item = FlowId> + 's {
+    let outer = |flow: &FlowId| cx.shares.get(flow).copied();
+    std::iter::successors(outer(&flow), outer)
+}
+
+/// Checks the transitions of an automaton, each in its state.
+pub(super) fn check_automaton<'a>(
+    cx: &mut Body<'_, 'a>,
+    index: usize,
+    automaton: &'a ast::Automaton,
+) {
+    let states = cx.current().automata[index].states.clone();
+    let names = automaton.states.iter().map(|state| state.name.name.clone());
+    let mut places: Map<Name, u32> = Map::default();
+    for (k, name) in (0..).zip(names) {
+        places.entry(name).or_insert(k);
+    }
+    for (k, (state, ast)) in states.iter().zip(&automaton.states).enumerate() {
+        let unless = check_transitions(cx, (automaton, &places), state.block, &ast.unless, true);
+        let until = check_transitions(cx, (automaton, &places), state.block, &ast.until, false);
+        let state = &mut cx.current().automata[index].states[k];
+        state.unless = unless;
+        state.until = until;
+    }
+    check_initial_state(cx, automaton);
+}
+
+fn check_transitions<'a>(
+    cx: &mut Body<'_, 'a>,
+    states: States<'a, '_>,
+    block: BlockId,
+    transitions: &'a [ast::Transition],
+    strong: bool,
+) -> Vec<Transition> {
+    let mut checked = Vec::new();
+    for transition in transitions {
+        // A strong condition (`unless`) is evaluated before the state runs, so that it cannot read the state's own
+        // flows.
+        let place = if strong { cx.block } else { block };
+        let condition = transition.condition.as_ref();
+        let condition = condition.map(|c| {
+            cx.within(place, |body| {
+                statement::check_condition(body, c, "a transition")
+            })
+        });
+        if let Some(target) = resolve_target_state(cx, states, &transition.target) {
+            checked.push(Transition {
+                condition,
+                resumes: transition.resumes,
+                target,
+                span: transition.span,
             });
         }
-        (flows, places)
     }
+    checked
+}
 
-    /// Declares the local version of each shared flow that a state defines.
-    fn declare_state(
-        &mut self,
-        index: usize,
-        block: BlockId,
-        state: &'a ast::State,
-        places: &Map<Name, usize>,
-    ) {
-        for name in all_defined_names(state) {
-            let Some(&place) = places.get(&name.name) else {
-                continue;
-            };
-            if self.find_in(block, &name.name).is_some() {
-                continue;
+/// Returns the index of the target state of a transition; reports an undefined state.
+fn resolve_target_state<'a>(
+    cx: &mut Body<'_, 'a>,
+    (automaton, places): States<'a, '_>,
+    target: &Ident,
+) -> Option<u32> {
+    let index = places.get(&target.name).copied();
+    if index.is_none() {
+        let names = automaton
+            .states
+            .iter()
+            .map(|state| state.name.name.as_str());
+        let finding = match state_in_other_automaton(cx, &target.name) {
+            Some(place) => unknown::state_elsewhere(target, place),
+            None => {
+                let near = cx.c.suggest(&target.name, names);
+                unknown::unknown_state(target, near)
             }
-            let outer = self.current().automata[index].shared[place].flow;
-            let inner = self.within(block, |body| {
-                let inner = body.version_of(name, outer);
-                body.declare(name, Local::Flow(inner));
-                inner
-            });
-            self.current().automata[index].shared[place]
-                .states
-                .push(inner);
-        }
-    }
-
-    /// Adds the flow of the current block that contributes to the shared flow `outer`. If `outer` is declared `T?`, it
-    /// may be absent because of other states, so that the absence of this flow is inferred from its own equation.
-    pub(super) fn version_of(&mut self, name: &Ident, outer: FlowId) -> FlowId {
-        let shared = self.unit.flow(outer);
-        let optional = match shared.optional {
-            Optional::Declared(false) if !shared.ty.is_unknown() => shared.optional,
-            _ => Optional::Inferred,
         };
-        let ty = shared.ty.clone();
-        let version = self.add_flow(name, ty, optional, FlowRole::Local);
-        self.shares.insert(version, outer);
-        self.versions.entry(outer).or_default().push(version);
-        version
+        report::report_diagnostic(cx, finding);
     }
+    index
+}
 
-    /// Returns the outer flows that a state's flow contributes to, innermost first.
-    pub(super) fn shared_around(&self, flow: FlowId) -> impl Iterator<Item = FlowId> + '_ {
-        let outer = |flow: &FlowId| self.shares.get(flow).copied();
-        std::iter::successors(outer(&flow), outer)
+/// Returns where a state of another automaton in an enclosing block is declared.
+fn state_in_other_automaton(cx: &Body<'_, '_>, name: &Name) -> Option<Span> {
+    match locals::find_local(cx, name)? {
+        Local::State(block) => Some(cx.unit.block(block).span),
+        Local::States([first, _], _) => Some(first),
+        _ => None,
     }
+}
 
-    /// Checks the transitions of an automaton, each in its state.
-    pub(super) fn check_automaton(&mut self, index: usize, automaton: &'a ast::Automaton) {
-        let states = self.current().automata[index].states.clone();
-        let names = automaton.states.iter().map(|state| state.name.name.clone());
-        let mut places: Map<Name, u32> = Map::default();
-        for (k, name) in (0..).zip(names) {
-            places.entry(name).or_insert(k);
+/// Whether a block is a state of an automaton.
+pub(super) fn is_state(cx: &Body<'_, '_>, block: BlockId) -> bool {
+    let around = cx.unit.block(block).parent.map(|id| cx.unit.block(id));
+    let automata = around.into_iter().flat_map(|around| &around.automata);
+    let mut states = automata.flat_map(|automaton| &automaton.states);
+    states.any(|state| state.block == block)
+}
+
+/// Reports states with the same name.
+fn report_duplicate_states(cx: &mut Body<'_, '_>, automaton: &ast::Automaton) {
+    let mut known: Map<&Name, Span> = Map::default();
+    for Ident { name, span } in automaton.states.iter().map(|state| &state.name) {
+        if let Some(first) = known.get(name) {
+            report::report_diagnostic(cx, twice(name, *span, *first));
         }
-        for (k, (state, ast)) in states.iter().zip(&automaton.states).enumerate() {
-            let unless = self.transitions((automaton, &places), state.block, &ast.unless, true);
-            let until = self.transitions((automaton, &places), state.block, &ast.until, false);
-            let state = &mut self.current().automata[index].states[k];
-            state.unless = unless;
-            state.until = until;
-        }
-        self.one_initial(automaton);
+        known.entry(name).or_insert(*span);
     }
+}
 
-    fn transitions(
-        &mut self,
-        states: States<'a, '_>,
-        block: BlockId,
-        transitions: &'a [ast::Transition],
-        strong: bool,
-    ) -> Vec<Transition> {
-        let mut checked = Vec::new();
-        for transition in transitions {
-            // A strong condition (`unless`) is evaluated before the state runs, so that it cannot read the state's own
-            // flows.
-            let place = if strong { self.block } else { block };
-            let condition = transition.condition.as_ref();
-            let condition =
-                condition.map(|c| self.within(place, |body| body.condition(c, "a transition")));
-            if let Some(target) = self.target_state(states, &transition.target) {
-                checked.push(Transition {
-                    condition,
-                    resumes: transition.resumes,
-                    target,
-                    span: transition.span,
-                });
-            }
-        }
-        checked
-    }
-
-    /// Returns the index of the target state of a transition; reports an undefined state.
-    fn target_state(&mut self, (automaton, places): States<'a, '_>, target: &Ident) -> Option<u32> {
-        let index = places.get(&target.name).copied();
-        if index.is_none() {
-            let names = automaton
-                .states
-                .iter()
-                .map(|state| state.name.name.as_str());
-            let finding = match self.state_elsewhere(&target.name) {
-                Some(place) => unknown::state_elsewhere(target, place),
-                None => {
-                    let near = self.c.suggest(&target.name, names);
-                    unknown::unknown_state(target, near)
-                }
-            };
-            self.report(finding);
-        }
-        index
-    }
-
-    /// Returns where a state of another automaton in an enclosing block is declared.
-    fn state_elsewhere(&self, name: &Name) -> Option<Span> {
-        match self.find_local(name)? {
-            Local::State(block) => Some(self.unit.block(block).span),
-            Local::States([first, _], _) => Some(first),
-            _ => None,
-        }
-    }
-
-    /// Whether a block is a state of an automaton.
-    pub(super) fn is_state(&self, block: BlockId) -> bool {
-        let around = self.unit.block(block).parent.map(|id| self.unit.block(id));
-        let automata = around.into_iter().flat_map(|around| &around.automata);
-        let mut states = automata.flat_map(|automaton| &automaton.states);
-        states.any(|state| state.block == block)
-    }
-
-    /// Reports states with the same name.
-    fn one_of_each_name(&mut self, automaton: &ast::Automaton) {
-        let mut known: Map<&Name, Span> = Map::default();
-        for Ident { name, span } in automaton.states.iter().map(|state| &state.name) {
-            if let Some(first) = known.get(name) {
-                self.report(twice(name, *span, *first));
-            }
-            known.entry(name).or_insert(*span);
-        }
-    }
-
-    /// Reports an automaton without an initial state or with several.
-    fn one_initial(&mut self, automaton: &ast::Automaton) {
-        let mut initial = automaton.states.iter().filter(|state| state.initial);
-        let finding = match (initial.next(), initial.next()) {
-            (Some(_), None) => return,
-            (Some(first), Some(second)) => Finding::new(
-                Code::RPI3006,
-                "an automaton must have exactly one initial state",
-            )
-            .at(second.name.span, "second initial state")
-            .also(first.name.span, "first initial state"),
-            (None, _) => Finding::new(Code::RPI3006, "the automaton has no initial state")
-                .at(automaton.states[0].name.span, "first state")
-                .help("mark one state as initial: `initial state`"),
-        };
-        self.report(finding);
-    }
+/// Reports an automaton without an initial state or with several.
+fn check_initial_state(cx: &mut Body<'_, '_>, automaton: &ast::Automaton) {
+    let mut initial = automaton.states.iter().filter(|state| state.initial);
+    let finding = match (initial.next(), initial.next()) {
+        (Some(_), None) => return,
+        (Some(first), Some(second)) => Finding::new(
+            Code::RPI3006,
+            "an automaton must have exactly one initial state",
+        )
+        .at(second.name.span, "second initial state")
+        .also(first.name.span, "first initial state"),
+        (None, _) => Finding::new(Code::RPI3006, "the automaton has no initial state")
+            .at(automaton.states[0].name.span, "first state")
+            .help("mark one state as initial: `initial state`"),
+    };
+    report::report_diagnostic(cx, finding);
 }
 
 /// Whether a state is never active: an unconditional strong transition leaves it before it runs, and no strong

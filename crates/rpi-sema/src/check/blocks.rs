@@ -2,36 +2,34 @@
 //! equations; this module declares these and reports the block's errors.
 
 use super::body::Body;
+use super::report;
+use super::statement;
 use rpi_diag::{Code, Finding};
 use rpi_syntax::ast::{BlockFault, Meaning};
 
-impl<'a> Body<'_, 'a> {
-    /// Reports the errors of a block and declares its equations. A flow whose equation is faulty counts as defined, so
-    /// that it is reported once.
-    pub(super) fn declare_meaning(&mut self, means: &'a Meaning) {
-        for fault in &means.faults {
-            self.report(fault_of(fault));
-        }
-        let names = means.faults.iter().filter_map(|fault| match fault {
-            BlockFault::MissingIn(name, _) | BlockFault::NotNamed(name) => Some(&name.name),
-            _ => None,
-        });
-        let faulty: Vec<_> = names.collect();
-        for (equation, span) in &means.equations {
-            let is_faulty = equation
-                .targets
-                .iter()
-                .any(|target| faulty.contains(&&target.name.name));
-            match is_faulty {
-                true => {
-                    let flows = equation.targets.iter();
-                    let flows: Vec<_> = flows
-                        .filter_map(|t| self.local_flow(&t.name.name))
-                        .collect();
-                    self.broken.extend(flows);
-                }
-                false => self.declare_equation(equation, *span),
+/// Reports the errors of a block and declares its equations. A flow whose equation is faulty counts as defined, so
+/// that it is reported once.
+pub(super) fn declare_equation_block<'a>(cx: &mut Body<'_, 'a>, means: &'a Meaning) {
+    for fault in &means.faults {
+        report::report_diagnostic(cx, fault_of(fault));
+    }
+    let names = means.faults.iter().filter_map(|fault| match fault {
+        BlockFault::MissingIn(name, _) | BlockFault::NotNamed(name) => Some(&name.name),
+        _ => None,
+    });
+    let faulty: Vec<_> = names.collect();
+    for (equation, span) in &means.equations {
+        let is_faulty = equation
+            .targets
+            .iter()
+            .any(|target| faulty.contains(&&target.name.name));
+        match is_faulty {
+            true => {
+                let flows = equation.targets.iter();
+                let flows: Vec<_> = flows.filter_map(|t| cx.local_flow(&t.name.name)).collect();
+                cx.broken.extend(flows);
             }
+            false => statement::declare_equation(cx, equation, *span),
         }
     }
 }

@@ -3,10 +3,13 @@
 use super::Checker;
 use super::bound::{Bound, Unwatched};
 use super::imported::Import;
+use super::locals;
 use super::locals::{Local, Scope};
 use super::order::{Guess, Missing, Pending};
+use super::report;
 use super::statics::Statics;
 use super::told::Told;
+use super::unit;
 use crate::hash::{Map, Set};
 use crate::program::{DeclId, ModuleId};
 use crate::ty::Ty;
@@ -170,7 +173,8 @@ impl<'c, 'a> Body<'c, 'a> {
     /// Adds an expression. A time, or a fixed duration in seconds, is wrapped in a `Part`, which can later be replaced
     /// by a conversion between ticks and seconds.
     pub(super) fn add(&mut self, kind: Kind, ty: Ty, span: Span) -> ExprId {
-        match self.is_rpi() && super::time::may_be_converted(&self.unit, &kind, &ty) {
+        match unit::reads_rpi_syntax(self) && super::time::may_be_converted(&self.unit, &kind, &ty)
+        {
             true => {
                 self.has_times |= ty == Ty::Duration;
                 let base = self.push(kind, ty.clone(), span);
@@ -194,7 +198,7 @@ impl<'c, 'a> Body<'c, 'a> {
 
     /// Reports an error and adds an error expression.
     pub(super) fn fault_with(&mut self, finding: Finding, span: Span) -> ExprId {
-        self.report(finding);
+        report::report_diagnostic(self, finding);
         self.fault(span)
     }
 
@@ -223,7 +227,7 @@ impl<'c, 'a> Body<'c, 'a> {
 
     /// Returns the flow that a name means in the current block.
     pub(super) fn local_flow(&self, name: &str) -> Option<FlowId> {
-        match self.find_local(name) {
+        match locals::find_local(self, name) {
             Some(Local::Flow(flow)) => Some(flow),
             _ => None,
         }

@@ -37,92 +37,90 @@ pub(super) enum Means {
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Unwatched(pub(super) Option<Span>);
 
-impl<'a> Body<'_, 'a> {
-    /// Runs `work` with one more bound name.
-    pub(super) fn with_bound<T>(
-        &mut self,
-        name: &Ident,
-        means: Means,
-        work: impl FnOnce(&mut Self) -> T,
-    ) -> T {
-        self.bind_name(name, means);
-        let result = work(self);
-        self.bound.pop();
-        result
-    }
+/// Runs `work` with one more bound name.
+pub(super) fn with_binding<'c, 'a, T>(
+    cx: &mut Body<'c, 'a>,
+    name: &Ident,
+    means: Means,
+    work: impl FnOnce(&mut Body<'c, 'a>) -> T,
+) -> T {
+    bind_name(cx, name, means);
+    let result = work(cx);
+    cx.bound.pop();
+    result
+}
 
-    /// Binds a name. The caller removes it from `bound` again.
-    pub(super) fn bind_name(&mut self, name: &Ident, means: Means) {
-        self.bound.push(Bound {
-            name: name.name.clone(),
-            means,
-            past: self.past,
-            span: name.span,
-        });
-    }
+/// Binds a name. The caller removes it from `bound` again.
+pub(super) fn bind_name(cx: &mut Body<'_, '_>, name: &Ident, means: Means) {
+    cx.bound.push(Bound {
+        name: name.name.clone(),
+        means,
+        past: cx.past,
+        span: name.span,
+    });
+}
 
-    /// Reads a bound name; returns `None` if it is not bound.
-    pub(super) fn bound_name(&mut self, name: &Name, span: Span) -> Option<ExprId> {
-        let at = self.bound.iter().rposition(|bound| bound.name == *name)?;
-        let bound = self.bound[at].clone();
-        Some(match &bound.means {
-            Means::Index(value) => self.add(
-                Kind::Literal(crate::typed::Leaf::int(*value)),
-                Ty::Int,
-                span,
-            ),
-            Means::Expr(value) => self.copy_of(*value, span),
-            Means::Value(ty) => self.add(Kind::Outside, ty.clone(), span),
-            Means::Any(_) if self.fixed_before.is_some_and(|before| at < before) => {
-                self.not_fixed(&bound, span)
-            }
-            Means::Any(_) if self.past > bound.past => self.has_no_past(&bound, span),
-            Means::Any(ty) => self.add(Kind::Outside, ty.clone(), span),
-        })
-    }
-
-    fn copy_of(&mut self, value: ExprId, span: Span) -> ExprId {
-        let expr = self.unit.expr(value);
-        let (kind, ty) = (expr.kind.clone(), expr.ty.clone());
-        self.add(kind, ty, span)
-    }
-
-    fn has_no_past(&mut self, bound: &Bound, span: Span) -> ExprId {
-        let message = format!(
-            "the quantified variable `{}` has no earlier cycles",
-            bound.name
-        );
-        let finding = Finding::new(Code::RPI2014, message)
-            .at(span, "read inside `pre`")
-            .also(bound.span, "quantified here")
-            .help("apply `pre` to flows only");
-        self.fault_with(finding, span)
-    }
-
-    fn not_fixed(&mut self, bound: &Bound, span: Span) -> ExprId {
-        let finding = Finding::new(Code::RPI2008, "a constant is needed here")
-            .at(span, "variable of the same quantifier")
-            .also(bound.span, "bound here")
-            .help("move this restriction to the condition of the quantifier");
-        self.fault_with(finding, span)
-    }
-
-    /// Whether an expression reads a variable of a quantifier or an array index.
-    pub(super) fn reads_bound(&self, expr: &Expr) -> bool {
-        let mut open = vec![expr];
-        while let Some(expr) = open.pop() {
-            if let ExprKind::Name(name) = &expr.kind
-                && self
-                    .bound
-                    .iter()
-                    .any(|bound| bound.name == *name && bound.varies())
-            {
-                return true;
-            }
-            open.extend(expr.children());
+/// Reads a bound name; returns `None` if it is not bound.
+pub(super) fn read_binding(cx: &mut Body<'_, '_>, name: &Name, span: Span) -> Option<ExprId> {
+    let at = cx.bound.iter().rposition(|bound| bound.name == *name)?;
+    let bound = cx.bound[at].clone();
+    Some(match &bound.means {
+        Means::Index(value) => cx.add(
+            Kind::Literal(crate::typed::Leaf::int(*value)),
+            Ty::Int,
+            span,
+        ),
+        Means::Expr(value) => copy_of(cx, *value, span),
+        Means::Value(ty) => cx.add(Kind::Outside, ty.clone(), span),
+        Means::Any(_) if cx.fixed_before.is_some_and(|before| at < before) => {
+            report_not_constant(cx, &bound, span)
         }
-        false
+        Means::Any(_) if cx.past > bound.past => report_pre_of_quantified(cx, &bound, span),
+        Means::Any(ty) => cx.add(Kind::Outside, ty.clone(), span),
+    })
+}
+
+fn copy_of(cx: &mut Body<'_, '_>, value: ExprId, span: Span) -> ExprId {
+    let expr = cx.unit.expr(value);
+    let (kind, ty) = (expr.kind.clone(), expr.ty.clone());
+    cx.add(kind, ty, span)
+}
+
+fn report_pre_of_quantified(cx: &mut Body<'_, '_>, bound: &Bound, span: Span) -> ExprId {
+    let message = format!(
+        "the quantified variable `{}` has no earlier cycles",
+        bound.name
+    );
+    let finding = Finding::new(Code::RPI2014, message)
+        .at(span, "read inside `pre`")
+        .also(bound.span, "quantified here")
+        .help("apply `pre` to flows only");
+    cx.fault_with(finding, span)
+}
+
+fn report_not_constant(cx: &mut Body<'_, '_>, bound: &Bound, span: Span) -> ExprId {
+    let finding = Finding::new(Code::RPI2008, "a constant is needed here")
+        .at(span, "variable of the same quantifier")
+        .also(bound.span, "bound here")
+        .help("move this restriction to the condition of the quantifier");
+    cx.fault_with(finding, span)
+}
+
+/// Whether an expression reads a variable of a quantifier or an array index.
+pub(super) fn reads_binding(cx: &Body<'_, '_>, expr: &Expr) -> bool {
+    let mut open = vec![expr];
+    while let Some(expr) = open.pop() {
+        if let ExprKind::Name(name) = &expr.kind
+            && cx
+                .bound
+                .iter()
+                .any(|bound| bound.name == *name && bound.varies())
+        {
+            return true;
+        }
+        open.extend(expr.children());
     }
+    false
 }
 
 impl Bound {

@@ -5,6 +5,7 @@
 //! three constraints. Each is a set of types on which the same operators have results of the same type.
 
 use super::body::Body;
+use super::report;
 use super::statics::{Param, Static, Statics};
 use crate::program::DeclId;
 use crate::ty::{StructTy, Ty};
@@ -118,28 +119,31 @@ pub(super) fn unknown(constraint: &Ident) -> Option<Finding> {
     Some(finding.did_you_mean(constraint.span, near))
 }
 
-impl Body<'_, '_> {
-    /// Whether the static arguments of a callable satisfy its constraints; reports the first violation.
-    pub(super) fn satisfies(&mut self, id: DeclId, statics: &Statics, span: Span) -> bool {
-        for param in self.c.params_of(id) {
-            let Param::Type(name, Some(constraint)) = param else {
-                continue;
-            };
-            let wanted = written(Some(constraint));
-            let Some(Static::Ty(ty)) = statics.get(&name.name) else {
-                continue;
-            };
-            if !wanted.admits(ty) {
-                let of = self.c.program.decl(id).name.clone();
-                let finding = violated(&of, name, wanted, ty);
-                let finding = finding.at(span, format!("`{}` is `{ty}` here", name.name));
-                let declared = format!("`{}` is {}", name.name, wanted.described());
-                self.report(finding.also(constraint.span, declared));
-                return false;
-            }
+/// Whether the static arguments of a callable satisfy its constraints; reports the first violation.
+pub(super) fn check_constraints(
+    cx: &mut Body<'_, '_>,
+    id: DeclId,
+    statics: &Statics,
+    span: Span,
+) -> bool {
+    for param in cx.c.params_of(id) {
+        let Param::Type(name, Some(constraint)) = param else {
+            continue;
+        };
+        let wanted = written(Some(constraint));
+        let Some(Static::Ty(ty)) = statics.get(&name.name) else {
+            continue;
+        };
+        if !wanted.admits(ty) {
+            let of = cx.c.program.decl(id).name.clone();
+            let finding = violated(&of, name, wanted, ty);
+            let finding = finding.at(span, format!("`{}` is `{ty}` here", name.name));
+            let declared = format!("`{}` is {}", name.name, wanted.described());
+            report::report_diagnostic(cx, finding.also(constraint.span, declared));
+            return false;
         }
-        true
     }
+    true
 }
 
 /// Returns the diagnostic for a type that violates a constraint.

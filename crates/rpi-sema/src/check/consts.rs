@@ -2,7 +2,13 @@
 //! values.
 
 use super::body::Body;
+use super::expr;
+use super::report;
 use super::report::Wanted;
+use super::statement;
+use super::subrange;
+use super::types;
+use super::unit;
 use super::{Checker, Constant, Lazy};
 use crate::elab::{self, NotConstant};
 use crate::program::{DeclId, DeclKind};
@@ -42,8 +48,8 @@ impl<'a> Checker<'a> {
         let constant = self.nested(|checker| {
             let mut body = Body::around(checker, id);
             let constant = match decl.kind {
-                DeclKind::Const(def) => body.constant_def(def),
-                DeclKind::Frame(frame) => body.pose_of_frame(&decl.name, frame),
+                DeclKind::Const(def) => constant_def(&mut body, def),
+                DeclKind::Frame(frame) => frame_pose(&mut body, &decl.name, frame),
                 _ => None,
             };
             body.leave();
@@ -77,123 +83,125 @@ impl<'a> Checker<'a> {
     }
 }
 
-impl<'a> Body<'_, 'a> {
-    /// Returns the value of a constant definition.
-    pub(super) fn constant_def(&mut self, def: &'a ast::ConstDef) -> Option<Constant> {
-        let declared = def.ty.as_ref().map(|ty| self.ty(ty));
-        let Some(value) = &def.value else {
-            // A definition with a syntax error has been reported.
-            let is_broken = |ty: &ast::Type| matches!(ty.kind, ast::TypeKind::Broken);
-            let is_whole = !def.ty.as_ref().is_some_and(is_broken);
-            let name = def.names.first().filter(|_| is_whole)?;
-            let finding = no_value(name, self.is_rpi());
-            self.report(finding);
-            let ty = declared.filter(|_| !self.is_rpi())?;
-            let leaves = super::sample::value(&ty)?;
-            return Some(Constant { ty, leaves });
-        };
-        let id = self.expr(value);
-        if let Some(declared) = &declared {
-            self.expect(id, declared, &Wanted::Here);
+/// Returns the value of a constant definition.
+pub(super) fn constant_def<'a>(cx: &mut Body<'_, 'a>, def: &'a ast::ConstDef) -> Option<Constant> {
+    let declared = def.ty.as_ref().map(|ty| types::resolve_type(cx, ty));
+    let Some(value) = &def.value else {
+        // A definition with a syntax error has been reported.
+        let is_broken = |ty: &ast::Type| matches!(ty.kind, ast::TypeKind::Broken);
+        let is_whole = !def.ty.as_ref().is_some_and(is_broken);
+        let name = def.names.first().filter(|_| is_whole)?;
+        let finding = no_value(name, unit::reads_rpi_syntax(cx));
+        report::report_diagnostic(cx, finding);
+        let ty = declared.filter(|_| !unit::reads_rpi_syntax(cx))?;
+        let leaves = super::sample::value(&ty)?;
+        return Some(Constant { ty, leaves });
+    };
+    let id = expr::check_expr(cx, value);
+    if let Some(declared) = &declared {
+        statement::expect_type(cx, id, declared, &Wanted::Here);
+    }
+    let leaves = fold(cx, id)?;
+    if let Some(declared) = &declared {
+        subrange::is_in_subranges(cx, &leaves, declared, cx.span_of(id));
+    }
+    let found = cx.ty_of(id).clone();
+    let ty = declared.map_or(found.clone(), |ty| {
+        crate::ty::join(&ty, &found).unwrap_or(ty)
+    });
+    Some(Constant { ty, leaves })
+}
+
+/// Returns the pose of a frame in its parent frame, if the declaration gives one.
+fn frame_pose<'a>(
+    cx: &mut Body<'_, 'a>,
+    name: &rpi_syntax::Name,
+    frame: &'a ast::FrameDecl,
+) -> Option<Constant> {
+    let in_frame = frame
+        .parent
+        .as_ref()
+        .map(|parent| types::parent_frame(cx, parent));
+    let geometry = Geometry {
+        dim: None,
+        of: Some(name.clone()),
+        in_frame: in_frame.flatten(),
+    };
+    let ty = Ty::Spatial(Scalar::Pose, Rc::new(geometry));
+    let leaves = const_value(cx, frame.pose.as_ref()?, &ty)?;
+    Some(Constant { ty, leaves })
+}
+
+/// Returns the value of a constant expression of the given type; reports an expression of another type or that is
+/// not constant.
+pub(super) fn const_value<'a>(
+    cx: &mut Body<'_, 'a>,
+    value: &'a ast::Expr,
+    ty: &Ty,
+) -> Option<Rc<[Leaf]>> {
+    let id = expr::check_expr(cx, value);
+    if !statement::expect_type(cx, id, ty, &Wanted::Here) {
+        return None;
+    }
+    let leaves = fold(cx, id)?;
+    subrange::is_in_subranges(cx, &leaves, ty, cx.span_of(id)).then_some(leaves)
+}
+
+/// Returns the value of a constant integer expression.
+pub(super) fn const_integer<'a>(cx: &mut Body<'_, 'a>, value: &'a ast::Expr) -> Option<i64> {
+    const_value(cx, value, &Ty::Int)?.first()?.as_int()
+}
+
+/// Returns a constant duration in nanoseconds; `None` if it is negative or above 1e18.
+pub(super) fn const_nanoseconds<'a>(cx: &mut Body<'_, 'a>, value: &'a ast::Expr) -> Option<u64> {
+    let seconds = const_value(cx, value, &Ty::Real(Dim::TIME))?
+        .first()?
+        .as_real()?;
+    let ns = (seconds * 1e9).round();
+    (0.0..1e18).contains(&ns).then_some(ns as u64)
+}
+
+/// Returns the value of a constant expression; reports the part that is not constant.
+pub(super) fn fold(cx: &mut Body<'_, '_>, id: ExprId) -> Option<Rc<[Leaf]>> {
+    match try_fold(cx, id) {
+        Ok(leaves) => Some(leaves),
+        Err(NotConstant::Faulty) => None,
+        Err(NotConstant::Flow(span)) => {
+            report::report_diagnostic(
+                cx,
+                Finding::new(Code::RPI2008, "a constant is needed here")
+                    .at(span, "this is only known at run time")
+                    .also(cx.span_of(id), "needed at compile time"),
+            );
+            None
         }
-        let leaves = self.fold(id)?;
-        if let Some(declared) = &declared {
-            self.is_in_subranges(&leaves, declared, self.span_of(id));
-        }
-        let found = self.ty_of(id).clone();
-        let ty = declared.map_or(found.clone(), |ty| {
-            crate::ty::join(&ty, &found).unwrap_or(ty)
-        });
-        Some(Constant { ty, leaves })
-    }
-
-    /// Returns the pose of a frame in its parent frame, if the declaration gives one.
-    fn pose_of_frame(
-        &mut self,
-        name: &rpi_syntax::Name,
-        frame: &'a ast::FrameDecl,
-    ) -> Option<Constant> {
-        let in_frame = frame
-            .parent
-            .as_ref()
-            .map(|parent| self.parent_frame(parent));
-        let geometry = Geometry {
-            dim: None,
-            of: Some(name.clone()),
-            in_frame: in_frame.flatten(),
-        };
-        let ty = Ty::Spatial(Scalar::Pose, Rc::new(geometry));
-        let leaves = self.constant_of(frame.pose.as_ref()?, &ty)?;
-        Some(Constant { ty, leaves })
-    }
-
-    /// Returns the value of a constant expression of the given type; reports an expression of another type or that is
-    /// not constant.
-    pub(super) fn constant_of(&mut self, value: &'a ast::Expr, ty: &Ty) -> Option<Rc<[Leaf]>> {
-        let id = self.expr(value);
-        if !self.expect(id, ty, &Wanted::Here) {
-            return None;
-        }
-        let leaves = self.fold(id)?;
-        self.is_in_subranges(&leaves, ty, self.span_of(id))
-            .then_some(leaves)
-    }
-
-    /// Returns the value of a constant integer expression.
-    pub(super) fn integer(&mut self, value: &'a ast::Expr) -> Option<i64> {
-        self.constant_of(value, &Ty::Int)?.first()?.as_int()
-    }
-
-    /// Returns a constant duration in nanoseconds; `None` if it is negative or above 1e18.
-    pub(super) fn nanoseconds(&mut self, value: &'a ast::Expr) -> Option<u64> {
-        let seconds = self
-            .constant_of(value, &Ty::Real(Dim::TIME))?
-            .first()?
-            .as_real()?;
-        let ns = (seconds * 1e9).round();
-        (0.0..1e18).contains(&ns).then_some(ns as u64)
-    }
-
-    /// Returns the value of a constant expression; reports the part that is not constant.
-    pub(super) fn fold(&mut self, id: ExprId) -> Option<Rc<[Leaf]>> {
-        match self.try_fold(id) {
-            Ok(leaves) => Some(leaves),
-            Err(NotConstant::Faulty) => None,
-            Err(NotConstant::Flow(span)) => {
-                self.report(
-                    Finding::new(Code::RPI2008, "a constant is needed here")
-                        .at(span, "this is only known at run time")
-                        .also(self.span_of(id), "needed at compile time"),
-                );
-                None
-            }
-            Err(NotConstant::Fault(span, what)) => {
-                self.report(
-                    Finding::new(Code::RPI2010, what).at(span, "while evaluating this constant"),
-                );
-                None
-            }
+        Err(NotConstant::Fault(span, what)) => {
+            report::report_diagnostic(
+                cx,
+                Finding::new(Code::RPI2010, what).at(span, "while evaluating this constant"),
+            );
+            None
         }
     }
+}
 
-    /// Returns the value of an expression if it is constant, without reporting an error.
-    pub(super) fn fold_quietly(&mut self, id: ExprId) -> Option<Rc<[Leaf]>> {
-        self.try_fold(id).ok()
-    }
+/// Returns the value of an expression if it is constant, without reporting an error.
+pub(super) fn fold_silently(cx: &mut Body<'_, '_>, id: ExprId) -> Option<Rc<[Leaf]>> {
+    try_fold(cx, id).ok()
+}
 
-    /// Returns the value of an expression, or why it is not constant.
-    pub(super) fn try_fold(&mut self, id: ExprId) -> Result<Rc<[Leaf]>, NotConstant> {
-        match &self.unit.expr(id).kind {
-            Kind::Literal(leaf) => return Ok([leaf.clone()].into()),
-            Kind::Const(leaves) => return Ok(leaves.clone()),
-            _ => {}
-        }
-        // Elaboration inlines calls, so that the called units must be checked first.
-        for unit in called(&self.unit, id) {
-            self.c.check_now(unit);
-        }
-        elab::constant(&self.c.units, &self.unit, id)
+/// Returns the value of an expression, or why it is not constant.
+pub(super) fn try_fold(cx: &mut Body<'_, '_>, id: ExprId) -> Result<Rc<[Leaf]>, NotConstant> {
+    match &cx.unit.expr(id).kind {
+        Kind::Literal(leaf) => return Ok([leaf.clone()].into()),
+        Kind::Const(leaves) => return Ok(leaves.clone()),
+        _ => {}
     }
+    // Elaboration inlines calls, so that the called units must be checked first.
+    for unit in called(&cx.unit, id) {
+        cx.c.check_now(unit);
+    }
+    elab::constant(&cx.c.units, &cx.unit, id)
 }
 
 /// Returns the diagnostic for a constant without a value. Lustre allows such constants as external ones.

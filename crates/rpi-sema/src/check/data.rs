@@ -5,8 +5,15 @@
 //! contain itself.
 
 use super::body::Body;
+use super::compose;
+use super::expr;
+use super::ops;
+use super::report;
 use super::report::{Wanted, listed, unknown};
+use super::statics;
 use super::statics::{Param, Static, Statics, params};
+use super::time;
+use super::types;
 use crate::program::{DeclId, DeclKind, Lookup, Space};
 use crate::ty::{EnumTy, Member, StructTy, Subst, Ty, fit};
 use crate::typed::{ExprId, Kind, Leaf};
@@ -20,343 +27,348 @@ use std::rc::Rc;
 /// Name of the member that holds the alternative of a value.
 pub(super) const TAG: &str = "tag";
 
-impl<'a> Body<'_, 'a> {
-    /// Returns the instance of a declared type for these arguments; reports a wrong number of arguments.
-    pub(super) fn type_of(&mut self, id: DeclId, args: &'a [StaticArg], span: Span) -> Ty {
-        let names = self.type_params(id);
-        if self.c.temporal.contains(&id) {
-            self.has_state(span);
-        }
-        if names.len() != args.len() {
-            let decl = self.c.program.decl(id);
-            let message = format!(
-                "`{}` takes {}, found {}",
-                decl.name,
-                rpi_diag::counted(names.len(), "type argument"),
-                args.len()
-            );
-            let finding = Finding::new(Code::RPI1010, message)
-                .at(span, "wrong number of type arguments")
-                .also(decl.span, "declared here");
-            self.report(finding);
-            return Ty::Unknown;
-        }
-        let mut statics = Statics::new();
-        for (name, arg) in names.into_iter().zip(args) {
-            let Some(ty) = self.static_type(arg) else {
-                return Ty::Unknown;
-            };
-            statics.insert(name, Static::Ty(ty));
-        }
-        let ty = self.c.type_instance(id, Rc::new(statics));
-        if self.c.temporal.contains(&id) {
-            self.has_state(span);
-        }
-        ty
+/// Returns the instance of a declared type for these arguments; reports a wrong number of arguments.
+pub(super) fn type_instance_for<'a>(
+    cx: &mut Body<'_, 'a>,
+    id: DeclId,
+    args: &'a [StaticArg],
+    span: Span,
+) -> Ty {
+    let names = type_params(cx, id);
+    if cx.c.temporal.contains(&id) {
+        cx.has_state(span);
     }
-
-    /// Returns the names of the type parameters of a declared type.
-    fn type_params(&self, id: DeclId) -> Vec<Name> {
-        let DeclKind::Type(def) = self.c.program.decl(id).kind else {
-            return Vec::new();
-        };
-        let params = params(&def.statics).into_iter();
-        params
-            .filter(|p| matches!(p, Param::Type(..)))
-            .map(|p| p.name().name.clone())
-            .collect()
-    }
-
-    /// Returns a declared type with its parameters still unknown.
-    fn open_type(&mut self, id: DeclId) -> Ty {
-        let names = self.type_params(id).into_iter();
-        let statics = names.map(|name| (name.clone(), Static::Ty(Ty::Generic(name))));
-        self.c.type_instance(id, Rc::new(statics.collect()))
-    }
-
-    /// Returns a declared type with the inferred parameters; `None` if some are not inferred.
-    fn closed_type(&mut self, id: DeclId, subst: &Subst) -> Option<Ty> {
-        let mut statics = Statics::new();
-        for name in self.type_params(id) {
-            let ty = subst.types.get(&name)?.clone();
-            statics.insert(name, Static::Ty(ty));
-        }
-        Some(self.c.type_instance(id, Rc::new(statics)))
-    }
-
-    /// Returns the declaration of a generic struct if a literal does not give its type arguments.
-    pub(super) fn generic_struct(&mut self, value: &StructExpr) -> Option<DeclId> {
-        if !value.statics.is_empty() {
-            return None;
-        }
-        let found = self
-            .c
-            .program
-            .lookup_in(Space::Type, self.module, &value.ty.name);
-        let Lookup::Found(id) = found else {
-            return None;
-        };
-        (!self.type_params(id).is_empty()).then_some(id)
-    }
-
-    /// Checks a literal of a generic struct and infers its type arguments from the fields.
-    pub(super) fn inferred_struct(
-        &mut self,
-        id: DeclId,
-        value: &'a StructExpr,
-        span: Span,
-    ) -> ExprId {
-        let Ty::Struct(open) = self.open_type(id) else {
-            return self.fault(span);
-        };
-        let mut subst = Subst::default();
-        let values: Vec<(&FieldValue, ExprId)> = value
-            .fields
-            .iter()
-            .map(|field| (field, self.expr(&field.value)))
-            .collect();
-        for (field, given) in &values {
-            let wanted = open
-                .fields
-                .iter()
-                .find(|f| f.name.as_ref() == Some(&field.field.name));
-            if let Some(wanted) = wanted {
-                self.suits(*given, &wanted.ty);
-            }
-            let found = self.ty_of(*given).clone();
-            if let Some(wanted) = wanted
-                && let Err(misfit) = fit(&wanted.ty, &found, &mut subst)
-            {
-                let expected = wanted.ty.substituted(&subst);
-                self.misfit(*given, &expected, &misfit, &Wanted::Here);
-                return self.fault(span);
-            }
-        }
-        match self.closed_type(id, &subst) {
-            Some(Ty::Struct(ty)) => {
-                let given = self.matched_fields(&ty, &values);
-                let parts = given.and_then(|given| self.fill_fields(&ty, &given, None, span));
-                match parts {
-                    Some(parts) => self.add(Kind::Build(parts.into()), Ty::Struct(ty), span),
-                    None => self.add(Kind::Fault, Ty::Struct(ty), span),
-                }
-            }
-            _ => self.untold_params(&value.ty, span),
-        }
-    }
-
-    /// Reports type arguments that cannot be inferred.
-    fn untold_params(&mut self, name: &Ident, span: Span) -> ExprId {
-        let message = format!("cannot infer the type arguments of `{}`", name.name);
-        let finding = Finding::new(Code::RPI2007, message)
-            .at(name.span, "no part of this value has these types")
-            .help(format!("give them explicitly: `{}@<int>`", name.name));
-        self.fault_with(finding, span)
-    }
-
-    /// Returns the type that a `datatype` defines: an enum if no alternative has parts, else a struct.
-    pub(super) fn data_meaning(
-        &mut self,
-        def: &'a TypeDef,
-        name: Name,
-        all: &'a [Constructor],
-    ) -> Ty {
-        let values = all.iter().map(|c| c.name.name.clone()).collect();
-        let tag = Ty::Enum(Rc::new(EnumTy::new(name.clone(), values)));
-        if def.statics.is_empty() && all.iter().all(|c| c.fields.is_empty()) {
-            return tag;
-        }
-        let mut fields = vec![Member {
-            name: Some(TAG.into()),
-            ty: tag,
-        }];
-        let mut seen: Vec<&Ident> = Vec::new();
-        for constructor in all {
-            fields.extend(self.fields(&constructor.fields));
-            for name in constructor.fields.iter().flat_map(|field| &field.names) {
-                match seen.iter().find(|first| first.name == name.name) {
-                    Some(first)
-                        if constructor
-                            .fields
-                            .iter()
-                            .all(|f| !f.names.iter().any(|n| n.span == first.span)) =>
-                    {
-                        let finding = crate::program::twice(&name.name, name.span, first.span);
-                        self.report(finding);
-                    }
-                    Some(_) => {}
-                    None => seen.push(name),
-                }
-            }
-        }
-        let defaults = vec![None; fields.len()];
-        Ty::Struct(Rc::new(StructTy {
-            name,
-            fields,
-            defaults,
-        }))
-    }
-
-    /// Returns the alternatives of a `datatype`; empty for any other declaration.
-    fn constructors(&self, id: DeclId) -> &'a [Constructor] {
-        match self.c.program.decl(id).kind {
-            DeclKind::Type(def) => match def.ty.as_ref().map(|ty| &ty.kind) {
-                Some(TypeKind::Data(all)) => all,
-                _ => &[],
-            },
-            _ => &[],
-        }
-    }
-
-    /// Whether a type is declared as a `datatype`.
-    pub(super) fn is_datatype(&self, id: DeclId) -> bool {
-        !self.constructors(id).is_empty()
-    }
-
-    /// Returns the index of the first field of an alternative in the struct, and the number of its fields.
-    pub(super) fn parts_of_constructor(&self, ty: DeclId, index: u32) -> (usize, usize) {
-        let count = |c: &Constructor| {
-            c.fields
-                .iter()
-                .map(|field| field.names.len())
-                .sum::<usize>()
-        };
-        let all = self.constructors(ty);
-        let index = (index as usize).min(all.len());
-        let before: usize = all[..index].iter().map(count).sum();
-        (1 + before, all.get(index).map_or(0, count))
-    }
-
-    /// Checks the construction of a value of a datatype: `A(x, y)` or `A@<int>`.
-    pub(super) fn construct(
-        &mut self,
-        (id, index): (DeclId, u32),
-        types: &'a [StaticArg],
-        values: &[ExprId],
-        span: Span,
-    ) -> ExprId {
-        let (from, count) = self.parts_of_constructor(id, index);
-        let name = &self.constructors(id)[index as usize].name;
-        if count != values.len() {
-            return self.wrong_parts(name, count, values.len(), span);
-        }
-        let said = (!types.is_empty()).then(|| self.type_of(id, types, span));
-        let open = said.clone().unwrap_or_else(|| self.open_type(id));
-        let Ty::Struct(open) = open else {
-            return self.fault(span);
-        };
-        let mut subst = Subst::default();
-        for (field, value) in open.fields[from..].iter().zip(values) {
-            self.suits(*value, &field.ty);
-            let found = self.ty_of(*value).clone();
-            if let Err(misfit) = fit(&field.ty, &found, &mut subst) {
-                let expected = field.ty.substituted(&subst);
-                self.misfit(*value, &expected, &misfit, &Wanted::Here);
-                return self.fault(span);
-            }
-        }
-        let Some(Ty::Struct(ty)) = said.or_else(|| self.closed_type(id, &subst)) else {
-            return self.untold_params(name, span);
-        };
-        let mut parts = Vec::with_capacity(ty.fields.len());
-        for (k, field) in ty.fields.iter().enumerate() {
-            parts.push(match k.checked_sub(from).and_then(|k| values.get(k)) {
-                Some(value) => *value,
-                None if k == 0 => self.add(
-                    Kind::Literal(Leaf::int(index.into())),
-                    field.ty.clone(),
-                    span,
-                ),
-                None => self.add(Kind::Const(filling(&field.ty)), field.ty.clone(), span),
-            });
-        }
-        self.add(Kind::Build(parts.into()), Ty::Struct(ty), span)
-    }
-
-    /// Reports a wrong number of parts of an alternative.
-    pub(super) fn wrong_parts(
-        &mut self,
-        name: &Ident,
-        count: usize,
-        given: usize,
-        span: Span,
-    ) -> ExprId {
+    if names.len() != args.len() {
+        let decl = cx.c.program.decl(id);
         let message = format!(
-            "`{}` takes {}, found {given}",
-            name.name,
-            rpi_diag::counted(count, "part")
+            "`{}` takes {}, found {}",
+            decl.name,
+            rpi_diag::counted(names.len(), "type argument"),
+            args.len()
         );
         let finding = Finding::new(Code::RPI1010, message)
-            .at(span, "wrong number of parts")
-            .also(name.span, "declared here");
-        self.fault_with(finding, span)
+            .at(span, "wrong number of type arguments")
+            .also(decl.span, "declared here");
+        report::report_diagnostic(cx, finding);
+        return Ty::Unknown;
     }
-
-    /// Returns the alternatives of a value's type and the expression of its tag; reports a value of another type.
-    pub(super) fn alternatives(&mut self, value: ExprId) -> Option<(Rc<EnumTy>, ExprId)> {
-        let span = self.span_of(value);
-        let tag = match self.ty_of(value).clone() {
-            Ty::Enum(all) => return Some((all, value)),
-            Ty::Struct(ty) => ty.fields.first().map(|field| field.ty.clone()),
-            _ => None,
+    let mut statics = Statics::new();
+    for (name, arg) in names.into_iter().zip(args) {
+        let Some(ty) = statics::static_type(cx, arg) else {
+            return Ty::Unknown;
         };
-        if let Some(Ty::Enum(all)) = tag {
-            let tag = self.add(
-                Kind::Part { base: value, at: 0 },
-                Ty::Enum(all.clone()),
-                span,
-            );
-            return Some((all, tag));
-        }
-        let ty = self.ty_of(value).clone();
-        if !ty.is_unknown() {
-            let finding = Finding::new(Code::RPI2001, format!("expected a datatype, found `{ty}`"))
-                .at(span, format!("this is `{ty}`"));
-            self.report(finding);
-        }
-        None
+        statics.insert(name, Static::Ty(ty));
     }
+    let ty = cx.c.type_instance(id, Rc::new(statics));
+    if cx.c.temporal.contains(&id) {
+        cx.has_state(span);
+    }
+    ty
+}
 
-    /// Adds the test of a tag for one alternative.
-    pub(super) fn is_alternative(
-        &mut self,
-        all: &Rc<EnumTy>,
-        tag: ExprId,
-        index: usize,
-        span: Span,
-    ) -> ExprId {
-        let index = self.add(
-            Kind::Literal(Leaf::int(index as i64)),
+/// Returns the names of the type parameters of a declared type.
+fn type_params(cx: &Body<'_, '_>, id: DeclId) -> Vec<Name> {
+    let DeclKind::Type(def) = cx.c.program.decl(id).kind else {
+        return Vec::new();
+    };
+    let params = params(&def.statics).into_iter();
+    params
+        .filter(|p| matches!(p, Param::Type(..)))
+        .map(|p| p.name().name.clone())
+        .collect()
+}
+
+/// Returns a declared type with its parameters still unknown.
+fn open_type(cx: &mut Body<'_, '_>, id: DeclId) -> Ty {
+    let names = type_params(cx, id).into_iter();
+    let statics = names.map(|name| (name.clone(), Static::Ty(Ty::Generic(name))));
+    cx.c.type_instance(id, Rc::new(statics.collect()))
+}
+
+/// Returns a declared type with the inferred parameters; `None` if some are not inferred.
+fn inferred_type(cx: &mut Body<'_, '_>, id: DeclId, subst: &Subst) -> Option<Ty> {
+    let mut statics = Statics::new();
+    for name in type_params(cx, id) {
+        let ty = subst.types.get(&name)?.clone();
+        statics.insert(name, Static::Ty(ty));
+    }
+    Some(cx.c.type_instance(id, Rc::new(statics)))
+}
+
+/// Returns the declaration of a generic struct if a literal does not give its type arguments.
+pub(super) fn generic_struct(cx: &mut Body<'_, '_>, value: &StructExpr) -> Option<DeclId> {
+    if !value.statics.is_empty() {
+        return None;
+    }
+    let found =
+        cx.c.program
+            .lookup_in(Space::Type, cx.module, &value.ty.name);
+    let Lookup::Found(id) = found else {
+        return None;
+    };
+    (!type_params(cx, id).is_empty()).then_some(id)
+}
+
+/// Checks a literal of a generic struct and infers its type arguments from the fields.
+pub(super) fn inferred_struct<'a>(
+    cx: &mut Body<'_, 'a>,
+    id: DeclId,
+    value: &'a StructExpr,
+    span: Span,
+) -> ExprId {
+    let Ty::Struct(open) = open_type(cx, id) else {
+        return cx.fault(span);
+    };
+    let mut subst = Subst::default();
+    let values: Vec<(&FieldValue, ExprId)> = value
+        .fields
+        .iter()
+        .map(|field| (field, expr::check_expr(cx, &field.value)))
+        .collect();
+    for (field, given) in &values {
+        let wanted = open
+            .fields
+            .iter()
+            .find(|f| f.name.as_ref() == Some(&field.field.name));
+        if let Some(wanted) = wanted {
+            time::convert_time_for(cx, *given, &wanted.ty);
+        }
+        let found = cx.ty_of(*given).clone();
+        if let Some(wanted) = wanted
+            && let Err(misfit) = fit(&wanted.ty, &found, &mut subst)
+        {
+            let expected = wanted.ty.substituted(&subst);
+            report::type_mismatch(cx, *given, &expected, &misfit, &Wanted::Here);
+            return cx.fault(span);
+        }
+    }
+    match inferred_type(cx, id, &subst) {
+        Some(Ty::Struct(ty)) => {
+            let given = compose::match_fields(cx, &ty, &values);
+            let parts = given.and_then(|given| compose::fill_fields(cx, &ty, &given, None, span));
+            match parts {
+                Some(parts) => cx.add(Kind::Build(parts.into()), Ty::Struct(ty), span),
+                None => cx.add(Kind::Fault, Ty::Struct(ty), span),
+            }
+        }
+        _ => report_uninferred_params(cx, &value.ty, span),
+    }
+}
+
+/// Reports type arguments that cannot be inferred.
+fn report_uninferred_params(cx: &mut Body<'_, '_>, name: &Ident, span: Span) -> ExprId {
+    let message = format!("cannot infer the type arguments of `{}`", name.name);
+    let finding = Finding::new(Code::RPI2007, message)
+        .at(name.span, "no part of this value has these types")
+        .help(format!("give them explicitly: `{}@<int>`", name.name));
+    cx.fault_with(finding, span)
+}
+
+/// Returns the type that a `datatype` defines: an enum if no alternative has parts, else a struct.
+pub(super) fn resolve_datatype<'a>(
+    cx: &mut Body<'_, 'a>,
+    def: &'a TypeDef,
+    name: Name,
+    all: &'a [Constructor],
+) -> Ty {
+    let values = all.iter().map(|c| c.name.name.clone()).collect();
+    let tag = Ty::Enum(Rc::new(EnumTy::new(name.clone(), values)));
+    if def.statics.is_empty() && all.iter().all(|c| c.fields.is_empty()) {
+        return tag;
+    }
+    let mut fields = vec![Member {
+        name: Some(TAG.into()),
+        ty: tag,
+    }];
+    let mut seen: Vec<&Ident> = Vec::new();
+    for constructor in all {
+        fields.extend(types::check_fields(cx, &constructor.fields));
+        for name in constructor.fields.iter().flat_map(|field| &field.names) {
+            match seen.iter().find(|first| first.name == name.name) {
+                Some(first)
+                    if constructor
+                        .fields
+                        .iter()
+                        .all(|f| !f.names.iter().any(|n| n.span == first.span)) =>
+                {
+                    let finding = crate::program::twice(&name.name, name.span, first.span);
+                    report::report_diagnostic(cx, finding);
+                }
+                Some(_) => {}
+                None => seen.push(name),
+            }
+        }
+    }
+    let defaults = vec![None; fields.len()];
+    Ty::Struct(Rc::new(StructTy {
+        name,
+        fields,
+        defaults,
+    }))
+}
+
+/// Returns the alternatives of a `datatype`; empty for any other declaration.
+fn constructors<'a>(cx: &Body<'_, 'a>, id: DeclId) -> &'a [Constructor] {
+    match cx.c.program.decl(id).kind {
+        DeclKind::Type(def) => match def.ty.as_ref().map(|ty| &ty.kind) {
+            Some(TypeKind::Data(all)) => all,
+            _ => &[],
+        },
+        _ => &[],
+    }
+}
+
+/// Whether a type is declared as a `datatype`.
+pub(super) fn is_datatype(cx: &Body<'_, '_>, id: DeclId) -> bool {
+    !constructors(cx, id).is_empty()
+}
+
+/// Returns the index of the first field of an alternative in the struct, and the number of its fields.
+pub(super) fn constructor_field_range(cx: &Body<'_, '_>, ty: DeclId, index: u32) -> (usize, usize) {
+    let count = |c: &Constructor| {
+        c.fields
+            .iter()
+            .map(|field| field.names.len())
+            .sum::<usize>()
+    };
+    let all = constructors(cx, ty);
+    let index = (index as usize).min(all.len());
+    let before: usize = all[..index].iter().map(count).sum();
+    (1 + before, all.get(index).map_or(0, count))
+}
+
+/// Checks the construction of a value of a datatype: `A(x, y)` or `A@<int>`.
+pub(super) fn constructor_value<'a>(
+    cx: &mut Body<'_, 'a>,
+    (id, index): (DeclId, u32),
+    types: &'a [StaticArg],
+    values: &[ExprId],
+    span: Span,
+) -> ExprId {
+    let (from, count) = constructor_field_range(cx, id, index);
+    let name = &constructors(cx, id)[index as usize].name;
+    if count != values.len() {
+        return report_part_count(cx, name, count, values.len(), span);
+    }
+    let said = (!types.is_empty()).then(|| type_instance_for(cx, id, types, span));
+    let open = said.clone().unwrap_or_else(|| open_type(cx, id));
+    let Ty::Struct(open) = open else {
+        return cx.fault(span);
+    };
+    let mut subst = Subst::default();
+    for (field, value) in open.fields[from..].iter().zip(values) {
+        time::convert_time_for(cx, *value, &field.ty);
+        let found = cx.ty_of(*value).clone();
+        if let Err(misfit) = fit(&field.ty, &found, &mut subst) {
+            let expected = field.ty.substituted(&subst);
+            report::type_mismatch(cx, *value, &expected, &misfit, &Wanted::Here);
+            return cx.fault(span);
+        }
+    }
+    let Some(Ty::Struct(ty)) = said.or_else(|| inferred_type(cx, id, &subst)) else {
+        return report_uninferred_params(cx, name, span);
+    };
+    let mut parts = Vec::with_capacity(ty.fields.len());
+    for (k, field) in ty.fields.iter().enumerate() {
+        parts.push(match k.checked_sub(from).and_then(|k| values.get(k)) {
+            Some(value) => *value,
+            None if k == 0 => cx.add(
+                Kind::Literal(Leaf::int(index.into())),
+                field.ty.clone(),
+                span,
+            ),
+            None => cx.add(Kind::Const(filling(&field.ty)), field.ty.clone(), span),
+        });
+    }
+    cx.add(Kind::Build(parts.into()), Ty::Struct(ty), span)
+}
+
+/// Reports a wrong number of parts of an alternative.
+pub(super) fn report_part_count(
+    cx: &mut Body<'_, '_>,
+    name: &Ident,
+    count: usize,
+    given: usize,
+    span: Span,
+) -> ExprId {
+    let message = format!(
+        "`{}` takes {}, found {given}",
+        name.name,
+        rpi_diag::counted(count, "part")
+    );
+    let finding = Finding::new(Code::RPI1010, message)
+        .at(span, "wrong number of parts")
+        .also(name.span, "declared here");
+    cx.fault_with(finding, span)
+}
+
+/// Returns the alternatives of a value's type and the expression of its tag; reports a value of another type.
+pub(super) fn alternatives(cx: &mut Body<'_, '_>, value: ExprId) -> Option<(Rc<EnumTy>, ExprId)> {
+    let span = cx.span_of(value);
+    let tag = match cx.ty_of(value).clone() {
+        Ty::Enum(all) => return Some((all, value)),
+        Ty::Struct(ty) => ty.fields.first().map(|field| field.ty.clone()),
+        _ => None,
+    };
+    if let Some(Ty::Enum(all)) = tag {
+        let tag = cx.add(
+            Kind::Part { base: value, at: 0 },
             Ty::Enum(all.clone()),
             span,
         );
-        self.binary_prim(rpi_syntax::ops::BinaryOp::Eq, tag, index, span)
+        return Some((all, tag));
     }
-
-    /// Reports an unknown alternative.
-    pub(super) fn no_alternative(&mut self, all: &EnumTy, name: &Ident) {
-        let near = rpi_diag::suggest(&name.name, all.values.iter().map(Name::as_str));
-        let finding = unknown("alternative", &name.name, name.span, near);
-        let names = listed(all.values.iter().map(Name::as_str));
-        self.report(finding.help(format!("the alternatives of `{}` are {names}", all.name)));
+    let ty = cx.ty_of(value).clone();
+    if !ty.is_unknown() {
+        let finding = Finding::new(Code::RPI2001, format!("expected a datatype, found `{ty}`"))
+            .at(span, format!("this is `{ty}`"));
+        report::report_diagnostic(cx, finding);
     }
+    None
+}
 
-    /// Checks the test for an alternative, `A?(x)`.
-    pub(super) fn is_a(&mut self, of: &'a IsA, span: Span) -> ExprId {
-        let value = self.expr(&of.value);
-        let Some((all, tag)) = self.alternatives(value) else {
-            return self.add(Kind::Fault, Ty::Bool, span);
-        };
-        match all
-            .values
-            .iter()
-            .position(|name| *name == of.constructor.name)
-        {
-            Some(index) => self.is_alternative(&all, tag, index, span),
-            None => {
-                self.no_alternative(&all, &of.constructor);
-                self.add(Kind::Fault, Ty::Bool, span)
-            }
+/// Adds the test of a tag for one alternative.
+pub(super) fn tag_test(
+    cx: &mut Body<'_, '_>,
+    all: &Rc<EnumTy>,
+    tag: ExprId,
+    index: usize,
+    span: Span,
+) -> ExprId {
+    let index = cx.add(
+        Kind::Literal(Leaf::int(index as i64)),
+        Ty::Enum(all.clone()),
+        span,
+    );
+    ops::binary_prim(cx, rpi_syntax::ops::BinaryOp::Eq, tag, index, span)
+}
+
+/// Reports an unknown alternative.
+pub(super) fn report_unknown_alternative(cx: &mut Body<'_, '_>, all: &EnumTy, name: &Ident) {
+    let near = rpi_diag::suggest(&name.name, all.values.iter().map(Name::as_str));
+    let finding = unknown("alternative", &name.name, name.span, near);
+    let names = listed(all.values.iter().map(Name::as_str));
+    report::report_diagnostic(
+        cx,
+        finding.help(format!("the alternatives of `{}` are {names}", all.name)),
+    );
+}
+
+/// Checks the test for an alternative, `A?(x)`.
+pub(super) fn constructor_test<'a>(cx: &mut Body<'_, 'a>, of: &'a IsA, span: Span) -> ExprId {
+    let value = expr::check_expr(cx, &of.value);
+    let Some((all, tag)) = alternatives(cx, value) else {
+        return cx.add(Kind::Fault, Ty::Bool, span);
+    };
+    match all
+        .values
+        .iter()
+        .position(|name| *name == of.constructor.name)
+    {
+        Some(index) => tag_test(cx, &all, tag, index, span),
+        None => {
+            report_unknown_alternative(cx, &all, &of.constructor);
+            cx.add(Kind::Fault, Ty::Bool, span)
         }
     }
 }

@@ -4,58 +4,59 @@
 //! The equation defines a separate unnamed flow; the automaton chooses between this flow and those of its states. The
 //! checks that every flow is defined exactly once therefore need no special case.
 
+use super::automaton;
 use super::automaton::candidates;
 use super::body::Body;
+use super::locals;
 use super::locals::Local;
+use super::statement;
 use crate::hash::Set;
 use crate::typed::FlowId;
 use rpi_syntax::Name;
 use rpi_syntax::ast::{Ident, Statement, StatementKind};
 
-impl Body<'_, '_> {
-    /// Declares the flows of those equations in the current block that are defaults.
-    pub(super) fn declare_defaults(&mut self, statements: &[Statement]) {
-        let shared = defined_by_states(statements);
-        if shared.is_empty() {
-            return;
-        }
-        for name in defined_by_equations(statements) {
-            if shared.contains(&name.name) {
-                self.declare_default(name);
-            }
+/// Declares the flows of those equations in the current block that are defaults.
+pub(super) fn declare_defaults(cx: &mut Body<'_, '_>, statements: &[Statement]) {
+    let shared = defined_by_states(statements);
+    if shared.is_empty() {
+        return;
+    }
+    for name in defined_by_equations(statements) {
+        if shared.contains(&name.name) {
+            declare_default(cx, name);
         }
     }
+}
 
-    /// Declares the default flow for a flow that states share.
-    fn declare_default(&mut self, name: &Ident) {
-        let shared = match self.find_in(self.block, &name.name) {
-            Some(Local::Flow(flow)) if self.unit.flow(flow).role.has_equation() => flow,
-            // A name that no equation may define, such as an in-port, has no default either.
-            Some(_) => return,
-            None => {
-                self.hides_no_constant(name);
-                self.introduce_flow(name)
-            }
-        };
-        if !self.defaults.contains_key(&shared) {
-            let default = self.version_of(name, shared);
-            self.defaults.insert(shared, default);
+/// Declares the default flow for a flow that states share.
+fn declare_default(cx: &mut Body<'_, '_>, name: &Ident) {
+    let shared = match locals::find_in_block(cx, cx.block, &name.name) {
+        Some(Local::Flow(flow)) if cx.unit.flow(flow).role.has_equation() => flow,
+        // A name that no equation may define, such as an in-port, has no default either.
+        Some(_) => return,
+        None => {
+            statement::report_constant_redefinition(cx, name);
+            locals::introduce_flow(cx, name)
         }
+    };
+    if !cx.defaults.contains_key(&shared) {
+        let default = automaton::add_contribution(cx, name, shared);
+        cx.defaults.insert(shared, default);
     }
+}
 
-    /// Returns the flow that an equation for `flow` in the current block defines: the default flow, if there is one.
-    pub(super) fn defined_here(&self, flow: FlowId) -> FlowId {
-        match self.defaults.get(&flow) {
-            Some(default) if self.unit.flow(*default).block == self.block => *default,
-            _ => flow,
-        }
+/// Returns the flow that an equation for `flow` in the current block defines: the default flow, if there is one.
+pub(super) fn defined_flow(cx: &Body<'_, '_>, flow: FlowId) -> FlowId {
+    match cx.defaults.get(&flow) {
+        Some(default) if cx.unit.flow(*default).block == cx.block => *default,
+        _ => flow,
     }
+}
 
-    /// Returns the default of a shared flow: its own, or that of an outer shared flow to which it contributes.
-    pub(super) fn default_beside(&self, flow: FlowId) -> Option<FlowId> {
-        let mut around = std::iter::once(flow).chain(self.shared_around(flow));
-        around.find_map(|flow| self.defaults.get(&flow).copied())
-    }
+/// Returns the default of a shared flow: its own, or that of an outer shared flow to which it contributes.
+pub(super) fn shared_flow_default(cx: &Body<'_, '_>, flow: FlowId) -> Option<FlowId> {
+    let mut around = std::iter::once(flow).chain(automaton::enclosing_shared_flows(cx, flow));
+    around.find_map(|flow| cx.defaults.get(&flow).copied())
 }
 
 /// Returns the names that the states of a body's automata define and do not declare.

@@ -1,88 +1,87 @@
 //! Check that every flow and actuator port is defined exactly once.
 
+use super::automaton;
 use super::body::Body;
 use crate::typed::{self, Block, BlockId, FlowId, Optional, Place, Shared, Target, Unit};
 use rpi_diag::{Code, Finding, Span};
 
-impl Body<'_, '_> {
-    /// Reports flows that are not defined exactly once.
-    pub(super) fn check_definitions(&mut self) {
-        let mut parts = self.defined_parts();
-        parts.sort_unstable_by_key(|part| (part.flow, part.at, part.span));
-        let mut findings = Vec::new();
-        let mut parts = parts.into_iter().peekable();
-        for (id, flow) in (0..).map(FlowId).zip(&self.unit.flows) {
-            let own = std::iter::from_fn(|| parts.next_if(|part| part.flow == id));
-            let own: Vec<DefinedPart> = own.collect();
-            if flow.role.has_equation() && !flow.ty.has_unknown() && !self.broken.contains(&id) {
-                findings.extend(definition_fault(&self.unit, id, &own));
+/// Reports flows that are not defined exactly once.
+pub(super) fn check_definitions(cx: &mut Body<'_, '_>) {
+    let mut parts = defined_parts(cx);
+    parts.sort_unstable_by_key(|part| (part.flow, part.at, part.span));
+    let mut findings = Vec::new();
+    let mut parts = parts.into_iter().peekable();
+    for (id, flow) in (0..).map(FlowId).zip(&cx.unit.flows) {
+        let own = std::iter::from_fn(|| parts.next_if(|part| part.flow == id));
+        let own: Vec<DefinedPart> = own.collect();
+        if flow.role.has_equation() && !flow.ty.has_unknown() && !cx.broken.contains(&id) {
+            findings.extend(definition_fault(&cx.unit, id, &own));
+        }
+    }
+    cx.findings.append(&mut findings);
+    check_actuator_definitions(cx);
+}
+
+/// Reports actuator ports that are defined twice. Conflicts between the ports of one actuator depend on when
+/// fragments are active, and are checked by the passes over the net.
+fn check_actuator_definitions(cx: &mut Body<'_, '_>) {
+    let mut defined: Vec<((FlowId, u32), Span, BlockId)> = Vec::new();
+    let blocks = (0..).map(BlockId).zip(&cx.unit.blocks);
+    let equations = blocks.flat_map(|(id, block)| block.equations.iter().map(move |e| (id, e)));
+    let targets = equations.flat_map(|(id, e)| e.targets.iter().map(move |t| (id, t)));
+    let mut findings = Vec::new();
+    for (block, target) in targets {
+        let Place::Port { device, port } = target.place else {
+            continue;
+        };
+        let ports = cx.unit.device(device).map(|ty| &ty.ports);
+        let Some(name) = ports.and_then(|ports| Some(ports.get(port as usize)?.name.clone()))
+        else {
+            continue;
+        };
+        let before = defined.iter().find(|known| known.0 == (device, port));
+        match before {
+            Some((_, first, other)) => {
+                let help = match automaton::is_state(cx, block) && automaton::is_state(cx, *other) {
+                    true => {
+                        "define one flow in all states, and define the port by that flow outside of the automaton"
+                    }
+                    false => "merge the alternatives into one equation by `??`",
+                };
+                findings.push(actuator_twice(&name, target.span, *first).help(help));
             }
+            None => defined.push(((device, port), target.span, block)),
         }
-        self.findings.append(&mut findings);
-        self.check_actuators();
     }
+    cx.findings.append(&mut findings);
+}
 
-    /// Reports actuator ports that are defined twice. Conflicts between the ports of one actuator depend on when
-    /// fragments are active, and are checked by the passes over the net.
-    fn check_actuators(&mut self) {
-        let mut defined: Vec<((FlowId, u32), Span, BlockId)> = Vec::new();
-        let blocks = (0..).map(BlockId).zip(&self.unit.blocks);
-        let equations = blocks.flat_map(|(id, block)| block.equations.iter().map(move |e| (id, e)));
-        let targets = equations.flat_map(|(id, e)| e.targets.iter().map(move |t| (id, t)));
-        let mut findings = Vec::new();
-        for (block, target) in targets {
-            let Place::Port { device, port } = target.place else {
-                continue;
-            };
-            let ports = self.unit.device(device).map(|ty| &ty.ports);
-            let Some(name) = ports.and_then(|ports| Some(ports.get(port as usize)?.name.clone()))
-            else {
-                continue;
-            };
-            let before = defined.iter().find(|known| known.0 == (device, port));
-            match before {
-                Some((_, first, other)) => {
-                    let help = match self.is_state(block) && self.is_state(*other) {
-                        true => {
-                            "define one flow in all states, and define the port by that flow outside of the automaton"
-                        }
-                        false => "merge the alternatives into one equation by `??`",
-                    };
-                    findings.push(actuator_twice(&name, target.span, *first).help(help));
-                }
-                None => defined.push(((device, port), target.span, block)),
-            }
-        }
-        self.findings.append(&mut findings);
+/// Returns all parts of flows that equations or automata define.
+fn defined_parts(cx: &Body<'_, '_>) -> Vec<DefinedPart> {
+    let mut parts = Vec::new();
+    for block in &cx.unit.blocks {
+        let targets = block.equations.iter().flat_map(|e| &e.targets);
+        parts.extend(targets.filter_map(DefinedPart::of));
+        let shared = block
+            .automata
+            .iter()
+            .flat_map(|automaton| &automaton.shared);
+        parts.extend(shared.map(|shared| automaton_part(cx, shared)));
     }
+    parts
+}
 
-    /// Returns all parts of flows that equations or automata define.
-    fn defined_parts(&self) -> Vec<DefinedPart> {
-        let mut parts = Vec::new();
-        for block in &self.unit.blocks {
-            let targets = block.equations.iter().flat_map(|e| &e.targets);
-            parts.extend(targets.filter_map(DefinedPart::of));
-            let shared = block
-                .automata
-                .iter()
-                .flat_map(|automaton| &automaton.shared);
-            parts.extend(shared.map(|shared| self.by_states(shared)));
-        }
-        parts
-    }
-
-    /// Returns the definition of a shared flow by an automaton. Its location is that of the first state that defines
-    /// the flow.
-    fn by_states(&self, shared: &Shared) -> DefinedPart {
-        let count = self.unit.flow(shared.flow).ty.leaf_count();
-        let first = shared.states.first().unwrap_or(&shared.flow);
-        DefinedPart {
-            flow: shared.flow,
-            at: 0,
-            count: u32::try_from(count).unwrap_or(u32::MAX),
-            span: self.unit.flow(*first).span,
-            by_states: true,
-        }
+/// Returns the definition of a shared flow by an automaton. Its location is that of the first state that defines
+/// the flow.
+fn automaton_part(cx: &Body<'_, '_>, shared: &Shared) -> DefinedPart {
+    let count = cx.unit.flow(shared.flow).ty.leaf_count();
+    let first = shared.states.first().unwrap_or(&shared.flow);
+    DefinedPart {
+        flow: shared.flow,
+        at: 0,
+        count: u32::try_from(count).unwrap_or(u32::MAX),
+        span: cx.unit.flow(*first).span,
+        by_states: true,
     }
 }
 

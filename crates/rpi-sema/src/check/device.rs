@@ -2,7 +2,9 @@
 
 use super::body::Body;
 use super::instance::key;
+use super::statics;
 use super::statics::{Static, Statics};
+use super::valued;
 use super::{Checker, Lazy};
 use crate::program::DeclId;
 use crate::ty::{DevicePortTy, DeviceTy, Ty};
@@ -11,19 +13,17 @@ use rpi_diag::Span;
 use rpi_syntax::ast::{DeviceDecl, DeviceSection, NamedType, PortKind, Type, TypeKind, VarDecl};
 use std::rc::Rc;
 
-impl<'a> Body<'_, 'a> {
-    /// Resolves a device type with its arguments. The cell description gives the parameters that are left open.
-    pub(super) fn device_ty(
-        &mut self,
-        id: DeclId,
-        decl: &'a DeviceDecl,
-        named: &'a NamedType,
-    ) -> Ty {
-        let bound = self.bind(id, &named.statics);
-        let mut statics = bound.statics;
-        self.c.complete(id, &mut statics);
-        self.c.device(id, decl, &Rc::new(statics))
-    }
+/// Resolves a device type with its arguments. The cell description gives the parameters that are left open.
+pub(super) fn resolve_device_type<'a>(
+    cx: &mut Body<'_, 'a>,
+    id: DeclId,
+    decl: &'a DeviceDecl,
+    named: &'a NamedType,
+) -> Ty {
+    let bound = statics::bind_statics(cx, id, &named.statics);
+    let mut statics = bound.statics;
+    cx.c.complete(id, &mut statics);
+    cx.c.device(id, decl, &Rc::new(statics))
 }
 
 impl<'a> Checker<'a> {
@@ -43,7 +43,7 @@ impl<'a> Checker<'a> {
         let unit = Unit::new(decl.name.name.clone(), UnitKind::Constant, Span::NONE);
         let mut body = Body::new(self, id, statics.clone(), unit);
         body.in_signature = true;
-        let ports = body.device_ports(decl);
+        let ports = device_ports(&mut body, decl);
         let frames = body.leave().free_frames;
         let ty = Ty::Device(Rc::new(DeviceTy {
             name: decl.name.name.clone(),
@@ -55,77 +55,75 @@ impl<'a> Checker<'a> {
     }
 }
 
-impl<'a> Body<'_, 'a> {
-    /// Returns the ports of a device declaration. Ports with the same actuator number belong to one actuator.
-    fn device_ports(&mut self, decl: &'a DeviceDecl) -> Vec<DevicePortTy> {
-        let mut ports = Vec::new();
-        let mut actuator = 0;
-        for section in &decl.sections {
-            self.section_ports(section, &mut actuator, &mut ports);
-        }
-        ports
+/// Returns the ports of a device declaration. Ports with the same actuator number belong to one actuator.
+fn device_ports<'a>(cx: &mut Body<'_, 'a>, decl: &'a DeviceDecl) -> Vec<DevicePortTy> {
+    let mut ports = Vec::new();
+    let mut actuator = 0;
+    for section in &decl.sections {
+        section_ports(cx, section, &mut actuator, &mut ports);
     }
+    ports
+}
 
-    /// Adds the ports of a section; `actuator` is the number of the next actuator.
-    fn section_ports(
-        &mut self,
-        section: &'a DeviceSection,
-        actuator: &mut u32,
-        ports: &mut Vec<DevicePortTy>,
-    ) {
-        let is_actuator = section.kind == PortKind::Actuator;
-        for port in &section.ports {
-            for alternative in &port.alternatives {
-                let before = ports.len();
-                self.alternative_ports(alternative, is_actuator, *actuator, ports);
-                if is_actuator && port.alternatives.len() == 1 {
-                    // `a, b: T` are two actuators, `a: T | b: U` is one.
-                    for (k, port) in (0..).zip(&mut ports[before..]) {
-                        port.actuator = *actuator + k;
-                    }
+/// Adds the ports of a section; `actuator` is the number of the next actuator.
+fn section_ports<'a>(
+    cx: &mut Body<'_, 'a>,
+    section: &'a DeviceSection,
+    actuator: &mut u32,
+    ports: &mut Vec<DevicePortTy>,
+) {
+    let is_actuator = section.kind == PortKind::Actuator;
+    for port in &section.ports {
+        for alternative in &port.alternatives {
+            let before = ports.len();
+            alternative_ports(cx, alternative, is_actuator, *actuator, ports);
+            if is_actuator && port.alternatives.len() == 1 {
+                // `a, b: T` are two actuators, `a: T | b: U` is one.
+                for (k, port) in (0..).zip(&mut ports[before..]) {
+                    port.actuator = *actuator + k;
                 }
             }
-            if is_actuator {
-                *actuator = ports.iter().map(|p| p.actuator).max().unwrap_or(0) + 1;
-            }
+        }
+        if is_actuator {
+            *actuator = ports.iter().map(|p| p.actuator).max().unwrap_or(0) + 1;
         }
     }
+}
 
-    /// Adds the ports of one alternative of an actuator, or of a sensor declaration.
-    fn alternative_ports(
-        &mut self,
-        decl: &'a VarDecl,
-        is_actuator: bool,
-        actuator: u32,
-        ports: &mut Vec<DevicePortTy>,
-    ) {
-        let (inner, optional) = match &decl.ty.kind {
-            TypeKind::Optional(inner) => (&**inner, true),
-            _ => (&decl.ty, false),
-        };
-        let ty = self.has_known_size(inner).then(|| self.value_ty(inner));
-        // Times cross the device interface in seconds: a device does not know the cycle time.
-        let ty = ty.map(|ty| crate::check::outside_type(&ty).0);
-        for name in &decl.names {
-            ports.push(DevicePortTy {
-                name: name.name.clone(),
-                ty: ty.clone(),
-                optional,
-                is_actuator,
-                actuator,
-            });
-        }
+/// Adds the ports of one alternative of an actuator, or of a sensor declaration.
+fn alternative_ports<'a>(
+    cx: &mut Body<'_, 'a>,
+    decl: &'a VarDecl,
+    is_actuator: bool,
+    actuator: u32,
+    ports: &mut Vec<DevicePortTy>,
+) {
+    let (inner, optional) = match &decl.ty.kind {
+        TypeKind::Optional(inner) => (&**inner, true),
+        _ => (&decl.ty, false),
+    };
+    let ty = has_known_size(cx, inner).then(|| valued::resolve_value_type(cx, inner));
+    // Times cross the device interface in seconds: a device does not know the cycle time.
+    let ty = ty.map(|ty| crate::check::outside_type(&ty).0);
+    for name in &decl.names {
+        ports.push(DevicePortTy {
+            name: name.name.clone(),
+            ty: ty.clone(),
+            optional,
+            is_actuator,
+            actuator,
+        });
     }
+}
 
-    /// Whether no array size in a type depends on a parameter that only the cell description gives.
-    fn has_known_size(&self, ty: &Type) -> bool {
-        match &ty.kind {
-            TypeKind::Optional(inner) => self.has_known_size(inner),
-            TypeKind::Array(array) => {
-                let open = array.size.as_name().and_then(|name| self.statics.get(name));
-                !matches!(open, Some(Static::Opaque)) && self.has_known_size(&array.element)
-            }
-            _ => true,
+/// Whether no array size in a type depends on a parameter that only the cell description gives.
+fn has_known_size(cx: &Body<'_, '_>, ty: &Type) -> bool {
+    match &ty.kind {
+        TypeKind::Optional(inner) => has_known_size(cx, inner),
+        TypeKind::Array(array) => {
+            let open = array.size.as_name().and_then(|name| cx.statics.get(name));
+            !matches!(open, Some(Static::Opaque)) && has_known_size(cx, &array.element)
         }
+        _ => true,
     }
 }

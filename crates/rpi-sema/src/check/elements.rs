@@ -5,9 +5,15 @@
 //! Elements are defined in ascending order: an element may read elements at a fixed distance before it.
 
 use super::body::Body;
+use super::bound;
 use super::bound::Means;
+use super::consts;
+use super::locals;
 use super::locals::Local;
 use super::order::{Goal, Pending, State};
+use super::report;
+use super::targets;
+use super::unit;
 use crate::program::{Lookup, Space};
 use crate::ty::Ty;
 use crate::typed::Leaf;
@@ -22,232 +28,254 @@ const MAX_ELEMENTS: u64 = 1 << 14;
 /// Maximum length of a dependency cycle of arrays in the search of [`ring`], which is exponential.
 const MAX_RING: usize = 12;
 
-impl<'a> Body<'_, 'a> {
-    /// Whether an equation defines an array element by element.
-    pub(super) fn defines_elements(&self, equation: &Equation) -> bool {
-        !self.is_rpi()
-            && equation
-                .targets
-                .iter()
-                .any(|target| self.index_name(target).is_some())
-    }
-
-    /// Counts the equations that define parts of each array.
-    pub(super) fn count_parts(&mut self, statements: &[Statement]) {
-        if self.is_rpi() {
-            return;
-        }
-        for statement in statements {
-            let StatementKind::Equation(equation) = &statement.kind else {
-                continue;
-            };
-            let parts = equation.targets.iter();
-            for target in parts.filter(|target| !target.path.is_empty()) {
-                let name = target.name.name.clone();
-                *self.parts_defined.entry(name).or_insert(0) += 1;
-            }
-        }
-    }
-
-    /// Returns the name of the array, if the first index of the target is an undeclared name.
-    fn index_name<'t>(&self, target: &'t Target) -> Option<&'t Ident> {
-        let Some(Access::Index(index)) = target.path.first() else {
-            return None;
-        };
-        let name = index.as_name()?;
-        let found = self.c.program.lookup_in(Space::Value, self.module, name);
-        let is_outside = matches!(found, Lookup::Found(_));
-        // If it is the only equation of the array, it cannot be meant for one element: the index hides the constant of
-        // the same name.
-        let is_only = || self.parts_defined.get(&target.name.name) == Some(&1);
-        let known = matches!(self.find_local(name), Some(Local::Constant(_)))
-            || self.statics.contains_key(name)
-            || (is_outside && !is_only());
-        let is_array = matches!(self.find_local(&target.name.name), Some(Local::Flow(_)));
-        (!known && is_array).then_some(&target.name)
-    }
-
-    /// Expands an equation that defines an array element by element to one pending equation per element.
-    pub(super) fn declare_elements(&mut self, equation: &'a Equation, span: Span) {
-        let [target] = &equation.targets[..] else {
-            return self.not_by_element(
-                &equation.targets,
-                span,
-                "such an equation must define exactly one array",
-            );
-        };
-        let Some(flow) = self.local_flow(&target.name.name) else {
-            return;
-        };
-        let Some(names) = index_names(target) else {
-            return self.not_by_element(&equation.targets, span, "each index must be a plain name");
-        };
-        let mut ty = self.unit.flow(flow).ty.clone();
-        let mut sizes = Vec::new();
-        while let Ty::Array(element, n) = ty {
-            sizes.push(n);
-            ty = (*element).clone();
-        }
-        if ty.is_unknown() {
-            return self.broken.push(flow);
-        }
-        if sizes.len() != names.len() {
-            let text = format!(
-                "`{}` has {}, found {}",
-                target.name.name,
-                rpi_diag::counted(sizes.len(), "dimension"),
-                match names.len() {
-                    1 => "1 index".to_owned(),
-                    n => format!("{n} indices"),
-                }
-            );
-            return self.not_by_element(&equation.targets, span, &text);
-        }
-        let count: u64 = sizes.iter().map(|n| u64::from(*n)).product();
-        if count > MAX_ELEMENTS {
-            let text = format!("more than {MAX_ELEMENTS} elements");
-            return self.not_by_element(&equation.targets, span, &text);
-        }
-        self.elements.push(equation);
-        for at in 0..count {
-            self.pending.push(Pending {
-                block: self.block,
-                goal: Goal::Targets(&equation.targets),
-                value: &equation.value,
-                span,
-                introduces: [None].into_iter().collect(),
-                state: State::Open,
-                indices: names.iter().cloned().zip(place(at, &sizes)).collect(),
-            });
-        }
-    }
-
-    /// Reports an array that cannot be defined by its elements.
-    fn not_by_element(&mut self, targets: &[Target], span: Span, why: &str) {
-        let flows = targets
+/// Whether an equation defines an array element by element.
+pub(super) fn defines_elements(cx: &Body<'_, '_>, equation: &Equation) -> bool {
+    !unit::reads_rpi_syntax(cx)
+        && equation
+            .targets
             .iter()
-            .filter_map(|target| self.local_flow(&target.name.name));
-        let flows: Vec<_> = flows.collect();
-        self.broken.extend(flows);
-        let finding = Finding::new(
-            Code::RPI2013,
-            "this array cannot be defined by its elements",
-        )
-        .at(span, why.to_owned())
-        .help("write `a[i][j] = ...;` with an index for each dimension");
-        self.report(finding);
-    }
+            .any(|target| elementwise_array_name(cx, target).is_some())
+}
 
-    /// Runs `work` with the index variables of a pending equation bound to their values.
-    pub(super) fn with_indices<T>(&mut self, index: usize, work: impl FnOnce(&mut Self) -> T) -> T {
-        let before = self.bound.len();
-        for (name, value) in self.pending[index].indices.clone() {
-            self.bind_name(&name, Means::Index(value));
-        }
-        let result = work(self);
-        self.bound.truncate(before);
-        result
+/// Counts the equations that define parts of each array.
+pub(super) fn count_parts(cx: &mut Body<'_, '_>, statements: &[Statement]) {
+    if unit::reads_rpi_syntax(cx) {
+        return;
     }
-
-    /// Checks the equation of one element. The same error is reported only once for all elements.
-    pub(super) fn check_element(&mut self, index: usize) {
-        let is_first = self.pending[index].indices.iter().all(|(_, at)| *at == 0);
-        let before = self.findings.len();
-        self.with_indices(index, |body| body.check_equation(index));
-        if !is_first {
-            let new = self.findings.split_off(before);
-            let is_known = |finding: &Finding| {
-                let mut said = self.findings.iter();
-                said.any(|known| known.code == finding.code && known.span() == finding.span())
-            };
-            let new: Vec<Finding> = new
-                .into_iter()
-                .filter(|finding| !is_known(finding))
-                .collect();
-            self.findings.extend(new);
+    for statement in statements {
+        let StatementKind::Equation(equation) = &statement.kind else {
+            continue;
+        };
+        let parts = equation.targets.iter();
+        for target in parts.filter(|target| !target.path.is_empty()) {
+            let name = target.name.name.clone();
+            *cx.parts_defined.entry(name).or_insert(0) += 1;
         }
     }
+}
 
-    /// Returns the value of a condition on an index; `None` if it depends on anything else.
-    pub(super) fn decided(
-        &mut self,
-        condition: &Expr,
-        value: crate::typed::ExprId,
-    ) -> Option<bool> {
-        if self.bound.is_empty() || !self.reads_bound(condition) {
-            return None;
-        }
-        self.fold_quietly(value)?.first().and_then(Leaf::as_bool)
+/// Returns the name of the array, if the first index of the target is an undeclared name.
+fn elementwise_array_name<'t>(cx: &Body<'_, '_>, target: &'t Target) -> Option<&'t Ident> {
+    let Some(Access::Index(index)) = target.path.first() else {
+        return None;
+    };
+    let name = index.as_name()?;
+    let found = cx.c.program.lookup_in(Space::Value, cx.module, name);
+    let is_outside = matches!(found, Lookup::Found(_));
+    // If it is the only equation of the array, it cannot be meant for one element: the index hides the constant of
+    // the same name.
+    let is_only = || cx.parts_defined.get(&target.name.name) == Some(&1);
+    let known = matches!(locals::find_local(cx, name), Some(Local::Constant(_)))
+        || cx.statics.contains_key(name)
+        || (is_outside && !is_only());
+    let is_array = matches!(
+        locals::find_local(cx, &target.name.name),
+        Some(Local::Flow(_))
+    );
+    (!known && is_array).then_some(&target.name)
+}
+
+/// Expands an equation that defines an array element by element to one pending equation per element.
+pub(super) fn expand_element_equation<'a>(
+    cx: &mut Body<'_, 'a>,
+    equation: &'a Equation,
+    span: Span,
+) {
+    let [target] = &equation.targets[..] else {
+        return report_invalid_element_equation(
+            cx,
+            &equation.targets,
+            span,
+            "such an equation must define exactly one array",
+        );
+    };
+    let Some(flow) = cx.local_flow(&target.name.name) else {
+        return;
+    };
+    let Some(names) = index_names(target) else {
+        return report_invalid_element_equation(
+            cx,
+            &equation.targets,
+            span,
+            "each index must be a plain name",
+        );
+    };
+    let mut ty = cx.unit.flow(flow).ty.clone();
+    let mut sizes = Vec::new();
+    while let Ty::Array(element, n) = ty {
+        sizes.push(n);
+        ty = (*element).clone();
     }
-
-    /// Reports elements that depend on themselves or on later elements.
-    pub(super) fn elements_in_order(&mut self) {
-        let equations = self.elements.clone();
-        let mut links = Vec::new();
-        for (from, equation) in equations.iter().enumerate() {
-            let mut reads = Vec::new();
-            element_reads(&equation.value, &mut reads);
-            for (array, indices, span) in reads {
-                let to = equations
-                    .iter()
-                    .position(|e| e.targets[0].name.name == *array);
-                let Some(to) = to else { continue };
-                let names = index_names(&equation.targets[0]).unwrap_or_default();
-                let offset: Option<Vec<i64>> = indices
-                    .iter()
-                    .zip(&names)
-                    .map(|(index, name)| distance(index, name))
-                    .collect();
-                match offset {
-                    Some(offset) if indices.len() == names.len() => links.push(Link {
-                        from,
-                        to,
-                        offset,
-                        span,
-                    }),
-                    _ if to == from => self.not_at_distance(equation, span),
-                    _ => {}
-                }
+    if ty.is_unknown() {
+        return cx.broken.push(flow);
+    }
+    if sizes.len() != names.len() {
+        let text = format!(
+            "`{}` has {}, found {}",
+            target.name.name,
+            rpi_diag::counted(sizes.len(), "dimension"),
+            match names.len() {
+                1 => "1 index".to_owned(),
+                n => format!("{n} indices"),
             }
-        }
-        for (start, equation) in equations.iter().enumerate() {
-            let dims = equation.targets[0].path.len();
-            if let Some(ring) = ring(&links, start, start, &vec![0; dims], &mut Vec::new()) {
-                return self.out_of_order(&equations, &ring);
-            }
-        }
+        );
+        return report_invalid_element_equation(cx, &equation.targets, span, &text);
     }
-
-    fn not_at_distance(&mut self, equation: &Equation, span: Span) {
-        let name = &equation.targets[0].name;
-        let finding = Finding::new(
-            Code::RPI2013,
-            format!("cannot order the elements of `{}`", name.name),
-        )
-        .at(span, "not at a fixed distance from the defined element")
-        .also(name.span, "defined by its elements here")
-        .help("read an earlier element: `a[i - 1]`");
-        self.report(finding);
+    let count: u64 = sizes.iter().map(|n| u64::from(*n)).product();
+    if count > MAX_ELEMENTS {
+        let text = format!("more than {MAX_ELEMENTS} elements");
+        return report_invalid_element_equation(cx, &equation.targets, span, &text);
     }
-
-    /// Reports a dependency cycle of elements.
-    fn out_of_order(&mut self, equations: &[&'a Equation], ring: &[&Link]) {
-        let name = |at: usize| equations[at].targets[0].name.name.to_string();
-        let reads = ring.iter().rev().map(|link| Read {
-            from: name(link.to),
-            to: name(link.from),
-            span: link.span,
-            more: Vec::new(),
+    cx.elements.push(equation);
+    for at in 0..count {
+        cx.pending.push(Pending {
+            block: cx.block,
+            goal: Goal::Targets(&equation.targets),
+            value: &equation.value,
+            span,
+            introduces: [None].into_iter().collect(),
+            state: State::Open,
+            indices: names.iter().cloned().zip(place(at, &sizes)).collect(),
         });
-        let reads: Vec<Read> = reads.collect();
-        let help = "elements are defined in ascending order: read an earlier one, `a[i - 1]`";
-        self.report(causality::ring(&reads).help(help));
-        let flows = ring
-            .iter()
-            .filter_map(|link| self.local_flow(&equations[link.from].targets[0].name.name));
-        let flows: Vec<_> = flows.collect();
-        self.broken.extend(flows);
     }
+}
+
+/// Reports an array that cannot be defined by its elements.
+fn report_invalid_element_equation(
+    cx: &mut Body<'_, '_>,
+    targets: &[Target],
+    span: Span,
+    why: &str,
+) {
+    let flows = targets
+        .iter()
+        .filter_map(|target| cx.local_flow(&target.name.name));
+    let flows: Vec<_> = flows.collect();
+    cx.broken.extend(flows);
+    let finding = Finding::new(
+        Code::RPI2013,
+        "this array cannot be defined by its elements",
+    )
+    .at(span, why.to_owned())
+    .help("write `a[i][j] = ...;` with an index for each dimension");
+    report::report_diagnostic(cx, finding);
+}
+
+/// Runs `work` with the index variables of a pending equation bound to their values.
+pub(super) fn with_index_bindings<'c, 'a, T>(
+    cx: &mut Body<'c, 'a>,
+    index: usize,
+    work: impl FnOnce(&mut Body<'c, 'a>) -> T,
+) -> T {
+    let before = cx.bound.len();
+    for (name, value) in cx.pending[index].indices.clone() {
+        bound::bind_name(cx, &name, Means::Index(value));
+    }
+    let result = work(cx);
+    cx.bound.truncate(before);
+    result
+}
+
+/// Checks the equation of one element. The same error is reported only once for all elements.
+pub(super) fn check_element_equation(cx: &mut Body<'_, '_>, index: usize) {
+    let is_first = cx.pending[index].indices.iter().all(|(_, at)| *at == 0);
+    let before = cx.findings.len();
+    with_index_bindings(cx, index, |body| targets::check_equation(body, index));
+    if !is_first {
+        let new = cx.findings.split_off(before);
+        let is_known = |finding: &Finding| {
+            let mut said = cx.findings.iter();
+            said.any(|known| known.code == finding.code && known.span() == finding.span())
+        };
+        let new: Vec<Finding> = new
+            .into_iter()
+            .filter(|finding| !is_known(finding))
+            .collect();
+        cx.findings.extend(new);
+    }
+}
+
+/// Returns the value of a condition on an index; `None` if it depends on anything else.
+pub(super) fn const_condition(
+    cx: &mut Body<'_, '_>,
+    condition: &Expr,
+    value: crate::typed::ExprId,
+) -> Option<bool> {
+    if cx.bound.is_empty() || !bound::reads_binding(cx, condition) {
+        return None;
+    }
+    consts::fold_silently(cx, value)?
+        .first()
+        .and_then(Leaf::as_bool)
+}
+
+/// Reports elements that depend on themselves or on later elements.
+pub(super) fn check_element_order(cx: &mut Body<'_, '_>) {
+    let equations = cx.elements.clone();
+    let mut links = Vec::new();
+    for (from, equation) in equations.iter().enumerate() {
+        let mut reads = Vec::new();
+        element_reads(&equation.value, &mut reads);
+        for (array, indices, span) in reads {
+            let to = equations
+                .iter()
+                .position(|e| e.targets[0].name.name == *array);
+            let Some(to) = to else { continue };
+            let names = index_names(&equation.targets[0]).unwrap_or_default();
+            let offset: Option<Vec<i64>> = indices
+                .iter()
+                .zip(&names)
+                .map(|(index, name)| distance(index, name))
+                .collect();
+            match offset {
+                Some(offset) if indices.len() == names.len() => links.push(Link {
+                    from,
+                    to,
+                    offset,
+                    span,
+                }),
+                _ if to == from => report_variable_offset(cx, equation, span),
+                _ => {}
+            }
+        }
+    }
+    for (start, equation) in equations.iter().enumerate() {
+        let dims = equation.targets[0].path.len();
+        if let Some(ring) = ring(&links, start, start, &vec![0; dims], &mut Vec::new()) {
+            return report_element_cycle(cx, &equations, &ring);
+        }
+    }
+}
+
+fn report_variable_offset(cx: &mut Body<'_, '_>, equation: &Equation, span: Span) {
+    let name = &equation.targets[0].name;
+    let finding = Finding::new(
+        Code::RPI2013,
+        format!("cannot order the elements of `{}`", name.name),
+    )
+    .at(span, "not at a fixed distance from the defined element")
+    .also(name.span, "defined by its elements here")
+    .help("read an earlier element: `a[i - 1]`");
+    report::report_diagnostic(cx, finding);
+}
+
+/// Reports a dependency cycle of elements.
+fn report_element_cycle<'a>(cx: &mut Body<'_, 'a>, equations: &[&'a Equation], ring: &[&Link]) {
+    let name = |at: usize| equations[at].targets[0].name.name.to_string();
+    let reads = ring.iter().rev().map(|link| Read {
+        from: name(link.to),
+        to: name(link.from),
+        span: link.span,
+        more: Vec::new(),
+    });
+    let reads: Vec<Read> = reads.collect();
+    let help = "elements are defined in ascending order: read an earlier one, `a[i - 1]`";
+    report::report_diagnostic(cx, causality::ring(&reads).help(help));
+    let flows = ring
+        .iter()
+        .filter_map(|link| cx.local_flow(&equations[link.from].targets[0].name.name));
+    let flows: Vec<_> = flows.collect();
+    cx.broken.extend(flows);
 }
 
 /// Dependency of the elements of one array on those of another. Arrays are indices of equations.

@@ -3,33 +3,37 @@
 use super::args::Given;
 use super::body::Body;
 use super::foreign;
+use super::meant;
 use crate::ty::Ty;
 use crate::units::Dim;
 use rpi_diag::{Code, Fix, Span};
 use rpi_syntax::ast;
 
-impl<'a> Body<'_, 'a> {
-    /// Adds the equivalent in RPI to the diagnostic about an undefined callee such as `len(a)`. `given` are its
-    /// arguments.
-    pub(super) fn meant_elsewhere(&mut self, call: &'a ast::Call, given: &[Given], span: Span) {
-        self.meant_as_power(call, span);
-        let ty = given
-            .first()
-            .map_or(Ty::Unknown, |first| self.ty_of(first.value).clone());
-        let name = &call.callee.name;
-        let Some((help, fix)) = here(&name.name.to_lowercase(), call, &ty) else {
-            return;
-        };
-        // Other undefined names in such a call are also of the other language.
-        self.findings.retain(|finding| {
-            let place = finding.span();
-            let inside = span.start <= place.start && place.end <= span.end && place != name.span;
-            !(inside && place.file == span.file && finding.code == Code::RPI1001)
-        });
-        if let Some(finding) = self.finding_at(name.span, Code::RPI1001) {
-            finding.help = vec![help];
-            finding.fixes = fix.into_iter().collect();
-        }
+/// Adds the equivalent in RPI to the diagnostic about an undefined callee such as `len(a)`. `given` are its
+/// arguments.
+pub(super) fn suggest_for_foreign_call<'a>(
+    cx: &mut Body<'_, 'a>,
+    call: &'a ast::Call,
+    given: &[Given],
+    span: Span,
+) {
+    meant::suggest_power_operator(cx, call, span);
+    let ty = given
+        .first()
+        .map_or(Ty::Unknown, |first| cx.ty_of(first.value).clone());
+    let name = &call.callee.name;
+    let Some((help, fix)) = here(&name.name.to_lowercase(), call, &ty) else {
+        return;
+    };
+    // Other undefined names in such a call are also of the other language.
+    cx.findings.retain(|finding| {
+        let place = finding.span();
+        let inside = span.start <= place.start && place.end <= span.end && place != name.span;
+        !(inside && place.file == span.file && finding.code == Code::RPI1001)
+    });
+    if let Some(finding) = meant::diagnostic_at(cx, name.span, Code::RPI1001) {
+        finding.help = vec![help];
+        finding.fixes = fix.into_iter().collect();
     }
 }
 

@@ -1,6 +1,7 @@
 //! Coordinate frames: composition of poses, and diagnostics for frames that do not match.
 
 use super::body::Body;
+use super::report;
 use crate::ty::{Geometry, Ty};
 use crate::typed::{ExprId, Kind};
 use crate::units::Dim;
@@ -9,80 +10,78 @@ use rpi_image::Scalar;
 use rpi_syntax::Name;
 use std::rc::Rc;
 
-impl Body<'_, '_> {
-    /// Returns the type of `(b in a) * (c in b)`, which is `(c in a)`. The inner frames must match.
-    pub(super) fn composed(&mut self, left: ExprId, right: ExprId) -> Ty {
-        let (a, b) = (self.ty_of(left).clone(), self.ty_of(right).clone());
-        let (Ty::Spatial(by, outer), Ty::Spatial(scalar, inner)) = (&a, &b) else {
-            return Ty::Unknown;
-        };
-        if let (Scalar::Pose, Scalar::Vector, Some(dim)) = (by, scalar, inner.dim)
-            && !dim.meets(Dim::LENGTH)
-        {
-            self.moves_no_place(left, right, &b);
-            return Ty::Unknown;
-        }
-        let meet = match (&outer.of, &inner.in_frame) {
-            (Some(x), Some(y)) => x == y,
-            _ => true,
-        };
-        if !meet {
-            self.do_not_meet((left, outer), (right, inner));
-        }
-        // After a mismatch of the inner frames, the outer ones are left open.
-        let geometry = Geometry {
-            dim: inner.dim,
-            of: inner.of.clone().filter(|_| meet),
-            in_frame: outer.in_frame.clone().filter(|_| meet),
-        };
-        Ty::Spatial(*scalar, Rc::new(geometry))
+/// Returns the type of `(b in a) * (c in b)`, which is `(c in a)`. The inner frames must match.
+pub(super) fn composed_pose_type(cx: &mut Body<'_, '_>, left: ExprId, right: ExprId) -> Ty {
+    let (a, b) = (cx.ty_of(left).clone(), cx.ty_of(right).clone());
+    let (Ty::Spatial(by, outer), Ty::Spatial(scalar, inner)) = (&a, &b) else {
+        return Ty::Unknown;
+    };
+    if let (Scalar::Pose, Scalar::Vector, Some(dim)) = (by, scalar, inner.dim)
+        && !dim.meets(Dim::LENGTH)
+    {
+        report_pose_of_non_position(cx, left, right, &b);
+        return Ty::Unknown;
     }
-
-    /// Reports a pose applied to a vector that is not a position. Other vectors are only rotated.
-    fn moves_no_place(&mut self, left: ExprId, right: ExprId, ty: &Ty) {
-        let finding = Finding::new(Code::RPI2002, format!("cannot apply a pose to `{ty}`"))
-            .at(self.span_of(right), "not a position, which is in `m`")
-            .also(self.span_of(left), "this is a pose")
-            .help("rotate directions, velocities and forces: `p.rotation * v`");
-        self.report(finding);
+    let meet = match (&outer.of, &inner.in_frame) {
+        (Some(x), Some(y)) => x == y,
+        _ => true,
+    };
+    if !meet {
+        report_frame_mismatch(cx, (left, outer), (right, inner));
     }
+    // After a mismatch of the inner frames, the outer ones are left open.
+    let geometry = Geometry {
+        dim: inner.dim,
+        of: inner.of.clone().filter(|_| meet),
+        in_frame: outer.in_frame.clone().filter(|_| meet),
+    };
+    Ty::Spatial(*scalar, Rc::new(geometry))
+}
 
-    /// Reports two poses whose inner frames differ.
-    fn do_not_meet(
-        &mut self,
-        (left, outer): (ExprId, &Geometry),
-        (right, inner): (ExprId, &Geometry),
-    ) {
-        let (Some(x), Some(y)) = (&outer.of, &inner.in_frame) else {
-            return;
-        };
-        let (a, b) = (self.ty_of(left), self.ty_of(right));
-        let message = format!("frame mismatch between `{a}` and `{b}`: `{x}` is not `{y}`");
-        let finding = Finding::new(Code::RPI2005, message)
-            .at(self.span_of(right), format!("this is relative to `{y}`"))
-            .also(self.span_of(left), format!("this is the pose of `{x}`"));
-        let turned = inner.of.is_some() && inner.of == outer.in_frame;
-        let finding = match turned {
-            true => self.exchanged(finding.help("exchange the operands"), left, right),
-            false => finding.help(format!("insert the pose of `{y}` in `{x}` between them")),
-        };
-        self.report(finding);
-    }
+/// Reports a pose applied to a vector that is not a position. Other vectors are only rotated.
+fn report_pose_of_non_position(cx: &mut Body<'_, '_>, left: ExprId, right: ExprId, ty: &Ty) {
+    let finding = Finding::new(Code::RPI2002, format!("cannot apply a pose to `{ty}`"))
+        .at(cx.span_of(right), "not a position, which is in `m`")
+        .also(cx.span_of(left), "this is a pose")
+        .help("rotate directions, velocities and forces: `p.rotation * v`");
+    report::report_diagnostic(cx, finding);
+}
 
-    /// Adds a fix that exchanges two operands, if both are plain flows.
-    fn exchanged(&self, finding: Finding, left: ExprId, right: ExprId) -> Finding {
-        let name = |id: ExprId| match &self.unit.expr(id).kind {
-            Kind::Flow(flow) => Some(self.unit.flow(*flow).name.to_string()),
-            _ => None,
-        };
-        match (name(left), name(right)) {
-            (Some(a), Some(b)) => finding.fix(
-                Fix::maybe(format!("write `{b} * {a}`"))
-                    .replace(self.span_of(left), b)
-                    .replace(self.span_of(right), a),
-            ),
-            _ => finding,
-        }
+/// Reports two poses whose inner frames differ.
+fn report_frame_mismatch(
+    cx: &mut Body<'_, '_>,
+    (left, outer): (ExprId, &Geometry),
+    (right, inner): (ExprId, &Geometry),
+) {
+    let (Some(x), Some(y)) = (&outer.of, &inner.in_frame) else {
+        return;
+    };
+    let (a, b) = (cx.ty_of(left), cx.ty_of(right));
+    let message = format!("frame mismatch between `{a}` and `{b}`: `{x}` is not `{y}`");
+    let finding = Finding::new(Code::RPI2005, message)
+        .at(cx.span_of(right), format!("this is relative to `{y}`"))
+        .also(cx.span_of(left), format!("this is the pose of `{x}`"));
+    let turned = inner.of.is_some() && inner.of == outer.in_frame;
+    let finding = match turned {
+        true => with_exchange_fix(cx, finding.help("exchange the operands"), left, right),
+        false => finding.help(format!("insert the pose of `{y}` in `{x}` between them")),
+    };
+    report::report_diagnostic(cx, finding);
+}
+
+/// Adds a fix that exchanges two operands, if both are plain flows.
+fn with_exchange_fix(cx: &Body<'_, '_>, finding: Finding, left: ExprId, right: ExprId) -> Finding {
+    let name = |id: ExprId| match &cx.unit.expr(id).kind {
+        Kind::Flow(flow) => Some(cx.unit.flow(*flow).name.to_string()),
+        _ => None,
+    };
+    match (name(left), name(right)) {
+        (Some(a), Some(b)) => finding.fix(
+            Fix::maybe(format!("write `{b} * {a}`"))
+                .replace(cx.span_of(left), b)
+                .replace(cx.span_of(right), a),
+        ),
+        _ => finding,
     }
 }
 

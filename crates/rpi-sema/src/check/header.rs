@@ -1,10 +1,18 @@
 //! Headers of callables: the ports, and everything else that a caller needs.
 
 use super::Checker;
+use super::alias;
 use super::body::Body;
+use super::expr;
 use super::instance::{display, key};
+use super::locals;
+use super::report;
+use super::statement;
 use super::statics::{Static, Statics};
+use super::sums;
+use super::types;
 use super::types::PortTy;
+use super::unit;
 use crate::hash::Set;
 use crate::program::{DeclId, DeclKind, Lookup, Space};
 use crate::ty::{Member, Ty};
@@ -131,7 +139,7 @@ impl<'a> Checker<'a> {
         let name = display(self.program, &decl.name, &params, &statics);
         let unit = Unit::new(name.clone(), kind, span);
         let mut body = Body::new(self, id, statics.clone(), unit);
-        body.declare_ports(id);
+        declare_ports(&mut body, id);
         let unit = body.leave();
         let params = params.into_iter();
         let params: Vec<Name> = params.map(|param| param.name().name.clone()).collect();
@@ -217,161 +225,156 @@ fn primitive_kind(name: &str) -> UnitKind {
     }
 }
 
-impl<'a> Body<'_, 'a> {
-    /// Declares the ports of a callable.
-    pub(super) fn declare_ports(&mut self, id: DeclId) {
-        self.in_signature = true;
-        self.types_are_new(id);
-        self.declare_opaque(id);
-        match self.c.program.decl(id).kind {
-            DeclKind::Node(node) => self.node_ports(node),
-            DeclKind::Fragment(fragment) => self.fragment_ports(fragment),
-            DeclKind::Primitive(primitive) => self.primitive_ports(primitive),
-            DeclKind::Command(command) => self.command_ports(command),
-            DeclKind::Task(task) => self.inputs(&task.params, FlowRole::Param),
-            _ => {}
-        }
-        self.in_signature = false;
+/// Declares the ports of a callable.
+pub(super) fn declare_ports(cx: &mut Body<'_, '_>, id: DeclId) {
+    cx.in_signature = true;
+    report_type_param_redefinition(cx, id);
+    declare_load_time_params(cx, id);
+    match cx.c.program.decl(id).kind {
+        DeclKind::Node(node) => declare_node_ports(cx, node),
+        DeclKind::Fragment(fragment) => declare_fragment_ports(cx, fragment),
+        DeclKind::Primitive(primitive) => declare_primitive_ports(cx, primitive),
+        DeclKind::Command(command) => declare_command_ports(cx, command),
+        DeclKind::Task(task) => declare_inputs(cx, &task.params, FlowRole::Param),
+        _ => {}
     }
+    cx.in_signature = false;
+}
 
-    /// Reports a Lustre type parameter with the name of a type of the file.
-    fn types_are_new(&mut self, id: DeclId) {
-        for param in self.c.params_of(id) {
-            let super::statics::Param::Type(name, _) = param else {
+/// Reports a Lustre type parameter with the name of a type of the file.
+fn report_type_param_redefinition(cx: &mut Body<'_, '_>, id: DeclId) {
+    for param in cx.c.params_of(id) {
+        let super::statics::Param::Type(name, _) = param else {
+            continue;
+        };
+        let found = cx.c.program.lookup_in(Space::Type, cx.module, &name.name);
+        if let Lookup::Found(first) = found
+            && !unit::reads_rpi_syntax(cx)
+            && matches!(cx.c.program.decl(first).kind, DeclKind::Type(_))
+        {
+            let first = cx.c.program.decl(first).span;
+            report::report_diagnostic(cx, crate::program::twice(&name.name, name.span, first));
+        }
+    }
+}
+
+/// Declares static values that are only known at load time as flows.
+fn declare_load_time_params(cx: &mut Body<'_, '_>, id: DeclId) {
+    for param in cx.c.params_of(id) {
+        let super::statics::Param::Value(name, def) = param else {
+            continue;
+        };
+        if !matches!(cx.statics.get(&name.name), Some(Static::Opaque)) {
+            continue;
+        }
+        let ty = match &def.ty {
+            Some(ty) => types::resolve_type(cx, ty),
+            None => cx.c.static_ty(id, def, &cx.statics.clone()),
+        };
+        let optional = false;
+        let flow = locals::declare_flow(cx, name, &PortTy { ty, optional }, FlowRole::Param);
+        cx.unit.inputs.push(flow);
+        if let Some(default) = &def.value {
+            check_port_default(cx, flow, default);
+        }
+    }
+}
+
+fn declare_node_ports<'a>(cx: &mut Body<'_, 'a>, node: &'a NodeDecl) {
+    match (&node.definition, &node.signature.outputs) {
+        (NodeDef::Alias(callee), None) => alias::declare_alias_ports(cx, callee),
+        _ if node.kind == NodeKind::Contract => declare_contract_ports(cx, &node.signature),
+        _ => declare_signature_ports(cx, &node.signature),
+    }
+}
+
+fn declare_signature_ports<'a>(cx: &mut Body<'_, 'a>, signature: &'a Signature) {
+    let inputs = signature.inputs.as_deref().unwrap_or_default();
+    let outputs = signature.outputs.as_deref().unwrap_or_default();
+    declare_inputs(cx, inputs, FlowRole::Input);
+    declare_outputs(cx, outputs);
+    statement::resolve_clocks_of(cx, inputs);
+    statement::resolve_clocks_of(cx, outputs);
+    check_input_clocks(cx);
+}
+
+/// Reports an in-port whose clock is an out-port: the caller must know when to pass a value.
+fn check_input_clocks(cx: &mut Body<'_, '_>) {
+    for id in cx.unit.inputs.clone() {
+        let port = cx.unit.flow(id).clone();
+        let Some(on) = port.clock.filter(|on| cx.unit.outputs.contains(&on.flow)) else {
+            continue;
+        };
+        let clock = cx.unit.flow(on.flow);
+        let message = format!("the clock of the in-port `{}` is an out-port", port.name);
+        let finding = Finding::new(Code::RPI3007, message)
+            .at(port.span, format!("sampled by `{}`", clock.name))
+            .also(clock.span, "an out-port, known only after the call")
+            .help("declare the clock as an in-port");
+        report::report_diagnostic(cx, finding);
+    }
+}
+
+/// Declares the ports of a contract. A contract reads all of them, so that its out-ports are in-ports, too.
+fn declare_contract_ports<'a>(cx: &mut Body<'_, 'a>, signature: &'a Signature) {
+    for ports in [&signature.inputs, &signature.outputs] {
+        declare_inputs(cx, ports.as_deref().unwrap_or_default(), FlowRole::Input);
+    }
+}
+
+fn declare_fragment_ports<'a>(cx: &mut Body<'_, 'a>, fragment: &'a FragmentDecl) {
+    declare_signature_ports(cx, &fragment.signature);
+    if fragment.when.is_some() {
+        for id in cx.unit.outputs.clone() {
+            cx.unit.flows[id.0 as usize].optional = Optional::Declared(true);
+        }
+    }
+}
+
+fn declare_primitive_ports<'a>(cx: &mut Body<'_, 'a>, primitive: &'a PrimitiveDecl) {
+    declare_signature_ports(cx, &primitive.signature);
+}
+
+fn declare_command_ports<'a>(cx: &mut Body<'_, 'a>, command: &'a CommandDecl) {
+    declare_inputs(cx, &command.params, FlowRole::Param);
+    declare_inputs(cx, &command.given, FlowRole::Given);
+}
+
+fn declare_inputs<'a>(cx: &mut Body<'_, 'a>, decls: &'a [VarDecl], role: FlowRole) {
+    for decl in decls {
+        let port = types::resolve_port_type(cx, &decl.ty);
+        let role = if decl.is_const { FlowRole::Param } else { role };
+        for name in &decl.names {
+            // A constant port that decides sizes is a static parameter and has been declared.
+            if decl.is_const && cx.statics.contains_key(&name.name) {
                 continue;
-            };
-            let found = self
-                .c
-                .program
-                .lookup_in(Space::Type, self.module, &name.name);
-            if let Lookup::Found(first) = found
-                && !self.is_rpi()
-                && matches!(self.c.program.decl(first).kind, DeclKind::Type(_))
-            {
-                let first = self.c.program.decl(first).span;
-                self.report(crate::program::twice(&name.name, name.span, first));
+            }
+            let flow = locals::declare_flow(cx, name, &port, role);
+            cx.unit.inputs.push(flow);
+            if let Some(default) = &decl.default {
+                check_port_default(cx, flow, default);
             }
         }
     }
+}
 
-    /// Declares static values that are only known at load time as flows.
-    fn declare_opaque(&mut self, id: DeclId) {
-        for param in self.c.params_of(id) {
-            let super::statics::Param::Value(name, def) = param else {
-                continue;
-            };
-            if !matches!(self.statics.get(&name.name), Some(Static::Opaque)) {
-                continue;
-            }
-            let ty = match &def.ty {
-                Some(ty) => self.ty(ty),
-                None => self.c.static_ty(id, def, &self.statics.clone()),
-            };
-            let optional = false;
-            let flow = self.declare_flow(name, &PortTy { ty, optional }, FlowRole::Param);
-            self.unit.inputs.push(flow);
-            if let Some(default) = &def.value {
-                self.default_of(flow, default);
-            }
-        }
-    }
+/// Checks the default value of a port.
+fn check_port_default<'a>(cx: &mut Body<'_, 'a>, flow: FlowId, default: &'a rpi_syntax::ast::Expr) {
+    let value = expr::check_expr(cx, default);
+    let ty = cx.unit.flow(flow).ty.clone();
+    let span = cx.unit.flow(flow).span;
+    let text = format!("`{}` is `{ty}`", cx.unit.flow(flow).name);
+    statement::expect_type(cx, value, &ty, &super::report::Wanted::By(span, text));
+    cx.unit.flows[flow.0 as usize].default = Some(value);
+}
 
-    fn node_ports(&mut self, node: &'a NodeDecl) {
-        match (&node.definition, &node.signature.outputs) {
-            (NodeDef::Alias(callee), None) => self.alias_ports(callee),
-            _ if node.kind == NodeKind::Contract => self.contract_ports(&node.signature),
-            _ => self.signature_ports(&node.signature),
-        }
-    }
-
-    fn signature_ports(&mut self, signature: &'a Signature) {
-        let inputs = signature.inputs.as_deref().unwrap_or_default();
-        let outputs = signature.outputs.as_deref().unwrap_or_default();
-        self.inputs(inputs, FlowRole::Input);
-        self.outputs(outputs);
-        self.state_clocks_of(inputs);
-        self.state_clocks_of(outputs);
-        self.clocks_come_in();
-    }
-
-    /// Reports an in-port whose clock is an out-port: the caller must know when to pass a value.
-    fn clocks_come_in(&mut self) {
-        for id in self.unit.inputs.clone() {
-            let port = self.unit.flow(id).clone();
-            let Some(on) = port.clock.filter(|on| self.unit.outputs.contains(&on.flow)) else {
-                continue;
-            };
-            let clock = self.unit.flow(on.flow);
-            let message = format!("the clock of the in-port `{}` is an out-port", port.name);
-            let finding = Finding::new(Code::RPI3007, message)
-                .at(port.span, format!("sampled by `{}`", clock.name))
-                .also(clock.span, "an out-port, known only after the call")
-                .help("declare the clock as an in-port");
-            self.report(finding);
-        }
-    }
-
-    /// Declares the ports of a contract. A contract reads all of them, so that its out-ports are in-ports, too.
-    fn contract_ports(&mut self, signature: &'a Signature) {
-        for ports in [&signature.inputs, &signature.outputs] {
-            self.inputs(ports.as_deref().unwrap_or_default(), FlowRole::Input);
-        }
-    }
-
-    fn fragment_ports(&mut self, fragment: &'a FragmentDecl) {
-        self.signature_ports(&fragment.signature);
-        if fragment.when.is_some() {
-            for id in self.unit.outputs.clone() {
-                self.unit.flows[id.0 as usize].optional = Optional::Declared(true);
-            }
-        }
-    }
-
-    fn primitive_ports(&mut self, primitive: &'a PrimitiveDecl) {
-        self.signature_ports(&primitive.signature);
-    }
-
-    fn command_ports(&mut self, command: &'a CommandDecl) {
-        self.inputs(&command.params, FlowRole::Param);
-        self.inputs(&command.given, FlowRole::Given);
-    }
-
-    fn inputs(&mut self, decls: &'a [VarDecl], role: FlowRole) {
-        for decl in decls {
-            let port = self.port_ty(&decl.ty);
-            let role = if decl.is_const { FlowRole::Param } else { role };
-            for name in &decl.names {
-                // A constant port that decides sizes is a static parameter and has been declared.
-                if decl.is_const && self.statics.contains_key(&name.name) {
-                    continue;
-                }
-                let flow = self.declare_flow(name, &port, role);
-                self.unit.inputs.push(flow);
-                if let Some(default) = &decl.default {
-                    self.default_of(flow, default);
-                }
-            }
-        }
-    }
-
-    /// Checks the default value of a port.
-    fn default_of(&mut self, flow: FlowId, default: &'a rpi_syntax::ast::Expr) {
-        let value = self.expr(default);
-        let ty = self.unit.flow(flow).ty.clone();
-        let span = self.unit.flow(flow).span;
-        let text = format!("`{}` is `{ty}`", self.unit.flow(flow).name);
-        self.expect(value, &ty, &super::report::Wanted::By(span, text));
-        self.unit.flows[flow.0 as usize].default = Some(value);
-    }
-
-    fn outputs(&mut self, decls: &'a [VarDecl]) {
-        for decl in decls {
-            let port = self.port_ty(&decl.ty);
-            for name in &decl.names {
-                let flow = self.declare_flow(name, &port, FlowRole::Output);
-                self.notes_seconds(flow, &decl.ty);
-                self.unit.outputs.push(flow);
-            }
+fn declare_outputs<'a>(cx: &mut Body<'_, 'a>, decls: &'a [VarDecl]) {
+    for decl in decls {
+        let port = types::resolve_port_type(cx, &decl.ty);
+        for name in &decl.names {
+            let flow = locals::declare_flow(cx, name, &port, FlowRole::Output);
+            sums::record_seconds(cx, flow, &decl.ty);
+            cx.unit.outputs.push(flow);
         }
     }
 }

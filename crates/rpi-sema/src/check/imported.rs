@@ -4,6 +4,8 @@
 //! instance. Its outputs are the conditions of its modes.
 
 use super::body::Body;
+use super::expr;
+use super::locals;
 use super::report::unknown;
 use crate::ty::Ty;
 use crate::typed::{BlockId, Equation, ExprId, FlowRole, Kind, Optional, Place, Target};
@@ -37,169 +39,167 @@ impl Import<'_> {
     }
 }
 
-impl<'a> Body<'_, 'a> {
-    /// Records the imports of a contract; the current block must be that of the contract.
-    pub(super) fn declare_imports(&mut self, contract: &'a Contract) {
-        let by = self.block;
-        let imports = contract.imports.iter();
-        self.imports.extend(imports.map(|text| Import {
-            text,
-            by,
-            call: None,
-        }));
-    }
+/// Records the imports of a contract; the current block must be that of the contract.
+pub(super) fn declare_imports<'a>(cx: &mut Body<'_, 'a>, contract: &'a Contract) {
+    let by = cx.block;
+    let imports = contract.imports.iter();
+    cx.imports.extend(imports.map(|text| Import {
+        text,
+        by,
+        call: None,
+    }));
+}
 
-    /// Checks the imports of a contract and returns their arguments.
-    pub(super) fn check_imports(&mut self, block: BlockId) -> Vec<ExprId> {
-        let mut given = Vec::new();
-        for at in 0..self.imports.len() {
-            if self.imports[at].by == block {
-                let call = self.instance_of_import(at);
-                given.extend(self.goes_into(call).unwrap_or_default());
-            }
-        }
-        given
-    }
-
-    /// Returns the arguments of an imported contract, if the expression is the condition of one of its modes.
-    pub(super) fn mode_of(&self, kind: &Kind) -> Option<Vec<ExprId>> {
-        match kind {
-            Kind::Part { base, .. } => self.goes_into(*base),
-            _ => None,
+/// Checks the imports of a contract and returns their arguments.
+pub(super) fn check_imports(cx: &mut Body<'_, '_>, block: BlockId) -> Vec<ExprId> {
+    let mut given = Vec::new();
+    for at in 0..cx.imports.len() {
+        if cx.imports[at].by == block {
+            let call = import_instance(cx, at);
+            given.extend(import_args(cx, call).unwrap_or_default());
         }
     }
+    given
+}
 
-    /// Returns the arguments of an imported contract, if the expression is its instance.
-    fn goes_into(&self, instance: ExprId) -> Option<Vec<ExprId>> {
-        let mut imports = self.imports.iter();
-        let import = imports.find(|import| import.call == Some(instance))?;
-        let Kind::Call(call) = &self.unit.expr(instance).kind else {
-            return None;
+/// Returns the arguments of an imported contract, if the expression is the condition of one of its modes.
+pub(super) fn imported_mode_args(cx: &Body<'_, '_>, kind: &Kind) -> Option<Vec<ExprId>> {
+    match kind {
+        Kind::Part { base, .. } => import_args(cx, *base),
+        _ => None,
+    }
+}
+
+/// Returns the arguments of an imported contract, if the expression is its instance.
+fn import_args(cx: &Body<'_, '_>, instance: ExprId) -> Option<Vec<ExprId>> {
+    let mut imports = cx.imports.iter();
+    let import = imports.find(|import| import.call == Some(instance))?;
+    let Kind::Call(call) = &cx.unit.expr(instance).kind else {
+        return None;
+    };
+    let given = call.args.iter().take(import.text.inputs);
+    Some(given.flatten().copied().collect())
+}
+
+/// Returns the instance of an imported contract; creates it on first use.
+fn import_instance(cx: &mut Body<'_, '_>, at: usize) -> ExprId {
+    let import = cx.imports[at];
+    if let Some(call) = import.call {
+        return call;
+    }
+    // The instance belongs to the importing contract, not to the claim or quantifier that first reads one of its
+    // modes.
+    let around = (cx.claim.take(), std::mem::take(&mut cx.bound));
+    let call = cx.within(import.by, |body| check_import(body, import.text));
+    (cx.claim, cx.bound) = around;
+    cx.imports[at].call = Some(call);
+    call
+}
+
+/// Checks the call of an imported contract.
+fn check_import<'a>(cx: &mut Body<'_, 'a>, import: &'a ContractImport) -> ExprId {
+    let span = import.call.span;
+    cx.importing = true;
+    let value = expr::check_expr(cx, &import.call);
+    let targets = Vec::new();
+    cx.current().equations.push(Equation {
+        targets,
+        value,
+        span,
+    });
+    if let Kind::Call(call) = &cx.unit.expr(value).kind {
+        let unit = call.unit;
+        cx.c.check_now(unit);
+        let callee = &cx.c.units[unit.0 as usize];
+        cx.unit.exprs[value.0 as usize].ty = callee.result().widened();
+        if callee.has_state {
+            cx.has_state(span);
+        }
+    }
+    value
+}
+
+/// Checks `::c::m`, whether a mode of an imported contract applies.
+pub(super) fn imported_mode_condition(
+    cx: &mut Body<'_, '_>,
+    contract: &str,
+    mode: &str,
+    span: Span,
+) -> ExprId {
+    let named = |import: &Import<'_>| import.name().is_some_and(|name| name.name == *contract);
+    let Some(at) = cx.imports.iter().position(named) else {
+        let names = cx.imports.iter().filter_map(Import::name);
+        let near = rpi_diag::suggest(contract, names.map(|name| name.name.as_str()));
+        let near = near.map(|near| format!("::{near}::{mode}"));
+        let finding = unknown("imported contract", contract, span, near);
+        return cx.fault_with(finding, span);
+    };
+    let base = import_instance(cx, at);
+    let Kind::Call(call) = &cx.unit.expr(base).kind else {
+        return cx.fault(span);
+    };
+    let callee = &cx.c.units[call.unit.0 as usize];
+    let modes: Vec<_> = callee.outputs.iter().map(|id| callee.flow(*id)).collect();
+    let Some(place) = modes.iter().position(|flow| flow.name == *mode) else {
+        let near = rpi_diag::suggest(mode, modes.iter().map(|flow| flow.name.as_str()));
+        let near = near.map(|near| format!("::{contract}::{near}"));
+        let finding = unknown("mode", &format!("{contract}::{mode}"), span, near);
+        return cx.fault_with(finding, span);
+    };
+    let at = u32::try_from(place).unwrap_or(u32::MAX);
+    cx.add(Kind::Part { base, at }, Ty::Bool, span)
+}
+
+/// Declares the outputs of a declared contract: the condition of each of its modes and of those of its imports.
+pub(super) fn declare_mode_outputs<'a>(cx: &mut Body<'_, 'a>, contract: &'a Contract) {
+    let applies = std::mem::take(&mut cx.applies);
+    let own = contract.modes.iter().map(|mode| &mode.name);
+    let own = own.zip(applies).map(|(name, value)| (name.clone(), value));
+    let own: Vec<(Ident, ExprId)> = own.collect();
+    for (name, value) in own.into_iter().chain(imported_modes(cx)) {
+        let span = name.span;
+        let never_absent = Optional::Declared(false);
+        let flow = locals::add_flow(cx, &name, Ty::Bool, never_absent, FlowRole::Output);
+        let target = Target {
+            place: Place::Flow { flow, at: 0 },
+            ty: Ty::Bool,
+            span,
         };
-        let given = call.args.iter().take(import.text.inputs);
-        Some(given.flatten().copied().collect())
-    }
-
-    /// Returns the instance of an imported contract; creates it on first use.
-    fn instance_of_import(&mut self, at: usize) -> ExprId {
-        let import = self.imports[at];
-        if let Some(call) = import.call {
-            return call;
-        }
-        // The instance belongs to the importing contract, not to the claim or quantifier that first reads one of its
-        // modes.
-        let around = (self.claim.take(), std::mem::take(&mut self.bound));
-        let call = self.within(import.by, |body| body.import(import.text));
-        (self.claim, self.bound) = around;
-        self.imports[at].call = Some(call);
-        call
-    }
-
-    /// Checks the call of an imported contract.
-    fn import(&mut self, import: &'a ContractImport) -> ExprId {
-        let span = import.call.span;
-        self.importing = true;
-        let value = self.expr(&import.call);
-        let targets = Vec::new();
-        self.current().equations.push(Equation {
-            targets,
+        cx.current().equations.push(Equation {
+            targets: vec![target],
             value,
             span,
         });
-        if let Kind::Call(call) = &self.unit.expr(value).kind {
-            let unit = call.unit;
-            self.c.check_now(unit);
-            let callee = &self.c.units[unit.0 as usize];
-            self.unit.exprs[value.0 as usize].ty = callee.result().widened();
-            if callee.has_state {
-                self.has_state(span);
+        cx.unit.outputs.push(flow);
+    }
+}
+
+/// Returns `D::m` for each mode of an imported contract `D`, with its condition.
+fn imported_modes(cx: &mut Body<'_, '_>) -> Vec<(Ident, ExprId)> {
+    let mut modes = Vec::new();
+    for at in 0..cx.imports.len() {
+        let Some((name, base)) = cx.imports[at].name().zip(cx.imports[at].call) else {
+            continue;
+        };
+        let Kind::Call(call) = &cx.unit.expr(base).kind else {
+            continue;
+        };
+        let callee = &cx.c.units[call.unit.0 as usize];
+        let outputs = callee.outputs.iter().map(|id| callee.flow(*id));
+        let names = (0..).zip(outputs.map(|flow| flow.name.as_str()));
+        let names = names.filter(|(_, mode)| mode.matches("::").count() < MAX_PATH);
+        let names: Vec<(u32, String)> = names
+            .map(|(at, mode)| (at, format!("{}::{mode}", name.name)))
+            .collect();
+        let span = name.span;
+        for (at, name) in names {
+            if modes.len() >= MAX_MODES {
+                return modes;
             }
-        }
-        value
-    }
-
-    /// Checks `::c::m`, whether a mode of an imported contract applies.
-    pub(super) fn imported_mode_applies(
-        &mut self,
-        contract: &str,
-        mode: &str,
-        span: Span,
-    ) -> ExprId {
-        let named = |import: &Import<'_>| import.name().is_some_and(|name| name.name == *contract);
-        let Some(at) = self.imports.iter().position(named) else {
-            let names = self.imports.iter().filter_map(Import::name);
-            let near = rpi_diag::suggest(contract, names.map(|name| name.name.as_str()));
-            let near = near.map(|near| format!("::{near}::{mode}"));
-            let finding = unknown("imported contract", contract, span, near);
-            return self.fault_with(finding, span);
-        };
-        let base = self.instance_of_import(at);
-        let Kind::Call(call) = &self.unit.expr(base).kind else {
-            return self.fault(span);
-        };
-        let callee = &self.c.units[call.unit.0 as usize];
-        let modes: Vec<_> = callee.outputs.iter().map(|id| callee.flow(*id)).collect();
-        let Some(place) = modes.iter().position(|flow| flow.name == *mode) else {
-            let near = rpi_diag::suggest(mode, modes.iter().map(|flow| flow.name.as_str()));
-            let near = near.map(|near| format!("::{contract}::{near}"));
-            let finding = unknown("mode", &format!("{contract}::{mode}"), span, near);
-            return self.fault_with(finding, span);
-        };
-        let at = u32::try_from(place).unwrap_or(u32::MAX);
-        self.add(Kind::Part { base, at }, Ty::Bool, span)
-    }
-
-    /// Declares the outputs of a declared contract: the condition of each of its modes and of those of its imports.
-    pub(super) fn give_modes(&mut self, contract: &'a Contract) {
-        let applies = std::mem::take(&mut self.applies);
-        let own = contract.modes.iter().map(|mode| &mode.name);
-        let own = own.zip(applies).map(|(name, value)| (name.clone(), value));
-        let own: Vec<(Ident, ExprId)> = own.collect();
-        for (name, value) in own.into_iter().chain(self.modes_of_imports()) {
-            let span = name.span;
-            let never_absent = Optional::Declared(false);
-            let flow = self.add_flow(&name, Ty::Bool, never_absent, FlowRole::Output);
-            let target = Target {
-                place: Place::Flow { flow, at: 0 },
-                ty: Ty::Bool,
-                span,
-            };
-            self.current().equations.push(Equation {
-                targets: vec![target],
-                value,
-                span,
-            });
-            self.unit.outputs.push(flow);
+            let value = cx.add(Kind::Part { base, at }, Ty::Bool, span);
+            let name = name.as_str().into();
+            modes.push((Ident { name, span }, value));
         }
     }
-
-    /// Returns `D::m` for each mode of an imported contract `D`, with its condition.
-    fn modes_of_imports(&mut self) -> Vec<(Ident, ExprId)> {
-        let mut modes = Vec::new();
-        for at in 0..self.imports.len() {
-            let Some((name, base)) = self.imports[at].name().zip(self.imports[at].call) else {
-                continue;
-            };
-            let Kind::Call(call) = &self.unit.expr(base).kind else {
-                continue;
-            };
-            let callee = &self.c.units[call.unit.0 as usize];
-            let outputs = callee.outputs.iter().map(|id| callee.flow(*id));
-            let names = (0..).zip(outputs.map(|flow| flow.name.as_str()));
-            let names = names.filter(|(_, mode)| mode.matches("::").count() < MAX_PATH);
-            let names: Vec<(u32, String)> = names
-                .map(|(at, mode)| (at, format!("{}::{mode}", name.name)))
-                .collect();
-            let span = name.span;
-            for (at, name) in names {
-                if modes.len() >= MAX_MODES {
-                    return modes;
-                }
-                let value = self.add(Kind::Part { base, at }, Ty::Bool, span);
-                let name = name.as_str().into();
-                modes.push((Ident { name, span }, value));
-            }
-        }
-        modes
-    }
+    modes
 }

@@ -5,8 +5,11 @@
 //! no value that is only in seconds does; otherwise it is in seconds. If the result differs from the inferred type,
 //! types are inferred again with this one fixed. The order of the text therefore does not matter.
 
+use super::automaton;
 use super::body::Body;
+use super::order;
 use super::order::State;
+use super::time;
 use super::time::{SECONDS, is_fixed};
 use crate::hash::Map;
 use crate::ty::Ty;
@@ -31,115 +34,117 @@ struct Sources {
     taken: [bool; 2],
 }
 
-impl Body<'_, '_> {
-    /// Infers the types of all flows without a declared type.
-    pub(super) fn infer_with_times(&mut self) {
-        let is_open =
-            |k: &usize| self.pending[*k].state == State::Open && self.pending[*k].infers();
-        let open: Vec<usize> = (0..self.pending.len()).filter(is_open).collect();
-        let mut settled: Map<FlowId, Ty> = Map::default();
-        for _ in 0..ROUNDS {
-            let mark = self.mark();
-            self.infer();
-            if !self.has_times || !self.settle_mistaken(&open, &mut settled) {
-                return;
-            }
-            self.put_back(mark);
-            self.look_again(&open, &settled);
+/// Infers the types of all flows without a declared type.
+pub(super) fn infer_with_times(cx: &mut Body<'_, '_>) {
+    let is_open = |k: &usize| cx.pending[*k].state == State::Open && cx.pending[*k].infers();
+    let open: Vec<usize> = (0..cx.pending.len()).filter(is_open).collect();
+    let mut settled: Map<FlowId, Ty> = Map::default();
+    for _ in 0..ROUNDS {
+        let mark = order::checkpoint(cx);
+        order::infer_types(cx);
+        if !cx.has_times || !fix_wrong_types(cx, &open, &mut settled) {
+            return;
         }
-        self.infer();
+        order::rollback(cx, mark);
+        reset_inferred_types(cx, &open, &settled);
     }
+    order::infer_types(cx);
+}
 
-    /// Adds the correct type of each wrongly inferred flow to `settled`; returns whether there are any.
-    fn settle_mistaken(&self, open: &[usize], settled: &mut Map<FlowId, Ty>) -> bool {
-        let mut all = self.sources(open, settled);
-        spread_seconds(&mut all);
-        spread_times(&mut all);
-        let mut changed = false;
-        for (flow, sources) in all {
-            let is_time = sources.time && !sources.seconds && settled.get(&flow) != Some(&SECONDS);
-            let ty = if is_time { Ty::Duration } else { SECONDS };
-            if sources.taken[usize::from(is_time)] {
-                changed |= settled.insert(flow, ty.clone()) != Some(ty);
-            }
+/// Adds the correct type of each wrongly inferred flow to `settled`; returns whether there are any.
+fn fix_wrong_types(cx: &Body<'_, '_>, open: &[usize], settled: &mut Map<FlowId, Ty>) -> bool {
+    let mut all = time_sources(cx, open, settled);
+    spread_seconds(&mut all);
+    spread_times(&mut all);
+    let mut changed = false;
+    for (flow, sources) in all {
+        let is_time = sources.time && !sources.seconds && settled.get(&flow) != Some(&SECONDS);
+        let ty = if is_time { Ty::Duration } else { SECONDS };
+        if sources.taken[usize::from(is_time)] {
+            changed |= settled.insert(flow, ty.clone()) != Some(ty);
         }
-        changed
     }
+    changed
+}
 
-    /// Returns the sources of each flow that may be a time or seconds.
-    fn sources(&self, open: &[usize], settled: &Map<FlowId, Ty>) -> BTreeMap<FlowId, Sources> {
-        let mut all: BTreeMap<FlowId, Sources> = BTreeMap::new();
-        let mut values: Vec<(FlowId, ExprId)> = Vec::new();
-        for index in open {
-            let pending = &self.pending[*index];
-            let (State::Done(value), [Some(flow)]) = (pending.state, &pending.introduces[..])
-            else {
+/// Returns the sources of each flow that may be a time or seconds.
+fn time_sources(
+    cx: &Body<'_, '_>,
+    open: &[usize],
+    settled: &Map<FlowId, Ty>,
+) -> BTreeMap<FlowId, Sources> {
+    let mut all: BTreeMap<FlowId, Sources> = BTreeMap::new();
+    let mut values: Vec<(FlowId, ExprId)> = Vec::new();
+    for index in open {
+        let pending = &cx.pending[*index];
+        let (State::Done(value), [Some(flow)]) = (pending.state, &pending.introduces[..]) else {
+            continue;
+        };
+        let outer = outermost_shared_flow(cx, *flow);
+        let types = [*flow, outer].map(|flow| &cx.unit.flow(flow).ty);
+        if types.into_iter().all(is_either) {
+            let sources = all.entry(outer).or_default();
+            sources.taken[0] |= types.contains(&&Ty::Duration);
+            sources.taken[1] |= types.contains(&&SECONDS);
+            // It was fixed as a time, but its value is still in seconds.
+            sources.seconds |= settled.get(&outer) == Some(&Ty::Duration)
+                && *cx.ty_of(value) == SECONDS
+                && time::fixed_alternatives(cx, value).is_none();
+            values.push((outer, value));
+        }
+    }
+    for (flow, value) in values {
+        add_sources(cx, flow, value, &mut all);
+    }
+    all
+}
+
+/// Returns the outermost shared flow that a flow contributes to, or the flow itself.
+fn outermost_shared_flow(cx: &Body<'_, '_>, flow: FlowId) -> FlowId {
+    automaton::enclosing_shared_flows(cx, flow)
+        .last()
+        .unwrap_or(flow)
+}
+
+/// Adds the sources of a flow's defining value.
+fn add_sources(
+    cx: &Body<'_, '_>,
+    flow: FlowId,
+    value: ExprId,
+    all: &mut BTreeMap<FlowId, Sources>,
+) {
+    let mut open = vec![value];
+    while let Some(id) = open.pop() {
+        let expr = cx.unit.expr(id);
+        match &expr.kind {
+            Kind::Flow(read) if all.contains_key(&outermost_shared_flow(cx, *read)) => {
+                let read = outermost_shared_flow(cx, *read);
+                all.entry(read).or_default().readers.push(flow);
+                all.entry(flow).or_default().reads.push(read);
                 continue;
-            };
-            let outer = self.outermost(*flow);
-            let types = [*flow, outer].map(|flow| &self.unit.flow(flow).ty);
-            if types.into_iter().all(is_either) {
-                let sources = all.entry(outer).or_default();
-                sources.taken[0] |= types.contains(&&Ty::Duration);
-                sources.taken[1] |= types.contains(&&SECONDS);
-                // It was fixed as a time, but its value is still in seconds.
-                sources.seconds |= settled.get(&outer) == Some(&Ty::Duration)
-                    && *self.ty_of(value) == SECONDS
-                    && self.fixed_parts(value).is_none();
-                values.push((outer, value));
             }
+            _ if goes_on(&cx.unit, expr, &mut open) => continue,
+            _ => {}
         }
-        for (flow, value) in values {
-            self.sources_of(flow, value, &mut all);
-        }
-        all
-    }
-
-    /// Returns the outermost shared flow that a flow contributes to, or the flow itself.
-    fn outermost(&self, flow: FlowId) -> FlowId {
-        self.shared_around(flow).last().unwrap_or(flow)
-    }
-
-    /// Adds the sources of a flow's defining value.
-    fn sources_of(&self, flow: FlowId, value: ExprId, all: &mut BTreeMap<FlowId, Sources>) {
-        let mut open = vec![value];
-        while let Some(id) = open.pop() {
-            let expr = self.unit.expr(id);
-            match &expr.kind {
-                Kind::Flow(read) if all.contains_key(&self.outermost(*read)) => {
-                    let read = self.outermost(*read);
-                    all.entry(read).or_default().readers.push(flow);
-                    all.entry(flow).or_default().reads.push(read);
-                    continue;
-                }
-                _ if goes_on(&self.unit, expr, &mut open) => continue,
-                _ => {}
-            }
-            let sources = all.entry(flow).or_default();
-            match expr.ty {
-                Ty::Duration => sources.time = true,
-                _ if is_time(&expr.kind) => sources.time = true,
-                _ => sources.seconds |= !may_be_either(&self.unit, expr),
-            }
+        let sources = all.entry(flow).or_default();
+        match expr.ty {
+            Ty::Duration => sources.time = true,
+            _ if is_time(&expr.kind) => sources.time = true,
+            _ => sources.seconds |= !may_be_either(&cx.unit, expr),
         }
     }
+}
 
-    /// Resets the inferred types, except the settled ones, for another round.
-    fn look_again(&mut self, open: &[usize], settled: &Map<FlowId, Ty>) {
-        for index in open {
-            self.pending[*index].state = State::Open;
-            for flow in self.pending[*index]
-                .introduces
-                .clone()
-                .into_iter()
-                .flatten()
-            {
-                let around: Vec<FlowId> = self.shared_around(flow).collect();
-                let outer = around.last().copied().unwrap_or(flow);
-                let ty = settled.get(&outer).cloned().unwrap_or(Ty::Unknown);
-                for flow in std::iter::once(flow).chain(around) {
-                    self.unit.flows[flow.0 as usize].ty = ty.clone();
-                }
+/// Resets the inferred types, except the settled ones, for another round.
+fn reset_inferred_types(cx: &mut Body<'_, '_>, open: &[usize], settled: &Map<FlowId, Ty>) {
+    for index in open {
+        cx.pending[*index].state = State::Open;
+        for flow in cx.pending[*index].introduces.clone().into_iter().flatten() {
+            let around: Vec<FlowId> = automaton::enclosing_shared_flows(cx, flow).collect();
+            let outer = around.last().copied().unwrap_or(flow);
+            let ty = settled.get(&outer).cloned().unwrap_or(Ty::Unknown);
+            for flow in std::iter::once(flow).chain(around) {
+                cx.unit.flows[flow.0 as usize].ty = ty.clone();
             }
         }
     }

@@ -1,7 +1,9 @@
 //! Instances of callables and types with static parameters: their keys, and their names in messages.
 
 use super::body::Body;
+use super::constraint;
 use super::header::Header;
+use super::report;
 use super::statics::{Param, Static, Statics, missing};
 use crate::program::{DeclId, Program};
 use crate::ty::{Subst, Ty};
@@ -65,47 +67,45 @@ pub(super) fn display(
     }
 }
 
-impl Body<'_, '_> {
-    /// Returns the instance of a generic callable for the types of its arguments. Parameters that cannot be inferred
-    /// are reported at `told_at`, if that is given.
-    pub(super) fn instance(
-        &mut self,
-        header: &Rc<Header>,
-        mut statics: Statics,
-        open: &[Name],
-        subst: &Subst,
-        (span, told_at): (Span, Option<Span>),
-    ) -> Option<Rc<Header>> {
-        let mut left = Vec::new();
-        for name in open {
-            match (statics.get(name), subst.types.get(name)) {
-                (Some(Static::Ty(_)), Some(ty)) if ty.has_unknown() => return None,
-                (Some(Static::Ty(_)), Some(ty)) => {
-                    statics.insert(name.clone(), Static::Ty(ty.clone()));
-                }
-                (Some(Static::Opaque), _) => {}
-                _ => left.push(name.clone()),
+/// Returns the instance of a generic callable for the types of its arguments. Parameters that cannot be inferred
+/// are reported at `told_at`, if that is given.
+pub(super) fn resolve_instance(
+    cx: &mut Body<'_, '_>,
+    header: &Rc<Header>,
+    mut statics: Statics,
+    open: &[Name],
+    subst: &Subst,
+    (span, told_at): (Span, Option<Span>),
+) -> Option<Rc<Header>> {
+    let mut left = Vec::new();
+    for name in open {
+        match (statics.get(name), subst.types.get(name)) {
+            (Some(Static::Ty(_)), Some(ty)) if ty.has_unknown() => return None,
+            (Some(Static::Ty(_)), Some(ty)) => {
+                statics.insert(name.clone(), Static::Ty(ty.clone()));
             }
-        }
-        if !left.is_empty() {
-            told_at
-                .into_iter()
-                .for_each(|span| self.report_missing(header.decl, &left, span));
-            return None;
-        }
-        match open.is_empty() {
-            true => Some(header.clone()),
-            false if !self.satisfies(header.decl, &statics, span) => None,
-            false => self.c.header(header.decl, Rc::new(statics)),
+            (Some(Static::Opaque), _) => {}
+            _ => left.push(name.clone()),
         }
     }
+    if !left.is_empty() {
+        told_at
+            .into_iter()
+            .for_each(|span| report_missing(cx, header.decl, &left, span));
+        return None;
+    }
+    match open.is_empty() {
+        true => Some(header.clone()),
+        false if !constraint::check_constraints(cx, header.decl, &statics, span) => None,
+        false => cx.c.header(header.decl, Rc::new(statics)),
+    }
+}
 
-    /// Reports missing static arguments.
-    pub(super) fn report_missing(&mut self, id: DeclId, left: &[Name], span: Span) {
-        let decl = self.c.program.decl(id);
-        let finding = missing(&decl.name, left, span, decl.span);
-        self.report(finding);
-    }
+/// Reports missing static arguments.
+pub(super) fn report_missing(cx: &mut Body<'_, '_>, id: DeclId, left: &[Name], span: Span) {
+    let decl = cx.c.program.decl(id);
+    let finding = missing(&decl.name, left, span, decl.span);
+    report::report_diagnostic(cx, finding);
 }
 
 /// Returns the source text of a value that [distinguishes instances](tells_apart).

@@ -2,6 +2,13 @@
 //! around.
 
 use super::body::Body;
+use super::consts;
+use super::expr;
+use super::ops;
+use super::prim;
+use super::quantifier;
+use super::report;
+use super::unit;
 use crate::ty::{MachineInt, Ty};
 use crate::typed::{ExprId, Kind, Leaf};
 use rpi_diag::{Code, Finding, Fix, Span};
@@ -10,258 +17,304 @@ use rpi_prims::PrimId;
 use rpi_syntax::ast::{Binary, Bits, Call, Expr, ExprKind, StaticArg, StaticValue};
 use rpi_syntax::ops::{BinaryOp, UnaryOp};
 
-impl<'a> Body<'_, 'a> {
-    /// Checks a conversion to a machine integer, such as `(int8 x)` or `(sint@<25> x)`.
-    pub(super) fn machine_conversion(&mut self, name: &str, call: &'a Call, span: Span) -> ExprId {
-        let [arg] = &call.args[..] else {
-            let finding = Finding::new(Code::RPI1010, format!("`{name}` takes one argument"))
-                .at(span, "wrong number of arguments");
-            return self.fault_with(finding, span);
-        };
-        let Some(to) = self.machine_named(name, &call.callee.statics, span) else {
-            self.expr(&arg.value);
-            return self.fault(span);
-        };
-        match large_number(&arg.value) {
-            Some(bits) => {
-                let bits = self.add(Kind::Literal(Leaf::int(bits)), Ty::Int, arg.value.span);
-                self.wrapped(bits, to, span)
-            }
-            None => {
-                let value = self.expr(&arg.value);
-                self.converted_to(value, to, span)
-            }
+/// Checks a conversion to a machine integer, such as `(int8 x)` or `(sint@<25> x)`.
+pub(super) fn machine_conversion<'a>(
+    cx: &mut Body<'_, 'a>,
+    name: &str,
+    call: &'a Call,
+    span: Span,
+) -> ExprId {
+    let [arg] = &call.args[..] else {
+        let finding = Finding::new(Code::RPI1010, format!("`{name}` takes one argument"))
+            .at(span, "wrong number of arguments");
+        return cx.fault_with(finding, span);
+    };
+    let Some(to) = machine_int_type(cx, name, &call.callee.statics, span) else {
+        expr::check_expr(cx, &arg.value);
+        return cx.fault(span);
+    };
+    match large_number(&arg.value) {
+        Some(bits) => {
+            let bits = cx.add(Kind::Literal(Leaf::int(bits)), Ty::Int, arg.value.span);
+            wrap_to_width(cx, bits, to, span)
+        }
+        None => {
+            let value = expr::check_expr(cx, &arg.value);
+            convert_to_machine(cx, value, to, span)
         }
     }
+}
 
-    /// Returns the machine integer type of a name and width; `None` after an error, or if it has more than 64 bits.
-    pub(super) fn machine_named(
-        &mut self,
-        name: &str,
-        statics: &'a [StaticArg],
-        span: Span,
-    ) -> Option<MachineInt> {
-        let bits = match statics {
-            [] => return MachineInt::named(name),
-            [
-                StaticArg {
-                    value: StaticValue::Expr(bits),
-                    ..
-                },
-            ] => self.integer(bits)?,
-            _ => return None,
-        };
-        let found = MachineInt::new(name == "sint", bits);
-        if found.is_none() && bits < 1 {
-            let message = format!("invalid number of bits: {bits}");
-            let finding = Finding::new(Code::RPI2009, message);
-            self.report(finding.at(span, "a machine integer has at least one bit"));
-        } else if found.is_none() {
-            self.foreign(
-                "a machine integer of more than 64 bits",
-                "at most 64 bits are supported",
-                span,
-            );
-        }
-        found
-    }
-
-    /// Converts a checked integer or machine integer to the machine integer type `to`; reports any other operand type.
-    pub(super) fn converted_to(&mut self, value: ExprId, to: MachineInt, span: Span) -> ExprId {
-        match self.ty_of(value).clone() {
-            Ty::Unknown => self.add(Kind::Fault, Ty::Machine(to), span),
-            Ty::Int | Ty::Machine(_) => self.wrapped(value, to, span),
-            found => {
-                let finding =
-                    Finding::new(Code::RPI2006, format!("cannot convert `{found}` to `{to}`"))
-                        .at(self.span_of(value), format!("this is `{found}`"));
-                self.fault_with(finding, span)
-            }
-        }
-    }
-
-    fn wrapped(&mut self, value: ExprId, to: MachineInt, span: Span) -> ExprId {
-        let width = self.width(to, span);
-        self.prim_typed(
-            prim!("Rpi::MachineWrap"),
-            &[value, width],
-            Ty::Machine(to),
+/// Returns the machine integer type of a name and width; `None` after an error, or if it has more than 64 bits.
+pub(super) fn machine_int_type<'a>(
+    cx: &mut Body<'_, 'a>,
+    name: &str,
+    statics: &'a [StaticArg],
+    span: Span,
+) -> Option<MachineInt> {
+    let bits = match statics {
+        [] => return MachineInt::named(name),
+        [
+            StaticArg {
+                value: StaticValue::Expr(bits),
+                ..
+            },
+        ] => consts::const_integer(cx, bits)?,
+        _ => return None,
+    };
+    let found = MachineInt::new(name == "sint", bits);
+    if found.is_none() && bits < 1 {
+        let message = format!("invalid number of bits: {bits}");
+        let finding = Finding::new(Code::RPI2009, message);
+        report::report_diagnostic(
+            cx,
+            finding.at(span, "a machine integer has at least one bit"),
+        );
+    } else if found.is_none() {
+        quantifier::not_executable(
+            cx,
+            "a machine integer of more than 64 bits",
+            "at most 64 bits are supported",
             span,
-        )
+        );
     }
+    found
+}
 
-    fn width(&mut self, of: MachineInt, span: Span) -> ExprId {
-        self.number_of_bits(of.width(), span)
+/// Converts a checked integer or machine integer to the machine integer type `to`; reports any other operand type.
+pub(super) fn convert_to_machine(
+    cx: &mut Body<'_, '_>,
+    value: ExprId,
+    to: MachineInt,
+    span: Span,
+) -> ExprId {
+    match cx.ty_of(value).clone() {
+        Ty::Unknown => cx.add(Kind::Fault, Ty::Machine(to), span),
+        Ty::Int | Ty::Machine(_) => wrap_to_width(cx, value, to, span),
+        found => {
+            let finding =
+                Finding::new(Code::RPI2006, format!("cannot convert `{found}` to `{to}`"))
+                    .at(cx.span_of(value), format!("this is `{found}`"));
+            cx.fault_with(finding, span)
+        }
     }
+}
 
-    fn number_of_bits(&mut self, bits: i64, span: Span) -> ExprId {
-        self.add(Kind::Literal(Leaf::int(bits)), Ty::Int, span)
+fn wrap_to_width(cx: &mut Body<'_, '_>, value: ExprId, to: MachineInt, span: Span) -> ExprId {
+    let width = signed_width(cx, to, span);
+    prim::add_prim(
+        cx,
+        prim!("Rpi::MachineWrap"),
+        &[value, width],
+        Ty::Machine(to),
+        span,
+    )
+}
+
+fn signed_width(cx: &mut Body<'_, '_>, of: MachineInt, span: Span) -> ExprId {
+    int_literal(cx, of.width(), span)
+}
+
+fn int_literal(cx: &mut Body<'_, '_>, bits: i64, span: Span) -> ExprId {
+    cx.add(Kind::Literal(Leaf::int(bits)), Ty::Int, span)
+}
+
+/// Checks a unary operator on a machine integer; returns `None` if the operator is not defined for machine
+/// integers.
+pub(super) fn machine_unary(
+    cx: &mut Body<'_, '_>,
+    op: UnaryOp,
+    operand: ExprId,
+    of: MachineInt,
+    span: Span,
+) -> Option<ExprId> {
+    let width = signed_width(cx, of, span);
+    let ty = Ty::Machine(of);
+    Some(match op {
+        UnaryOp::Neg => {
+            // There is no negation primitive; `0 - x` wraps around in the same way.
+            let zero = int_literal(cx, 0, span);
+            let operands = [zero, operand, width];
+            prim::add_prim(cx, prim!("Rpi::MachineSubtract"), &operands, ty, span)
+        }
+        UnaryOp::BitNot => {
+            prim::add_prim(cx, prim!("Rpi::MachineNot"), &[operand, width], ty, span)
+        }
+        UnaryOp::ToInt => prim::add_prim(
+            cx,
+            prim!("Rpi::MachineToInt"),
+            &[operand, width],
+            Ty::Int,
+            span,
+        ),
+        _ => return None,
+    })
+}
+
+/// Checks a binary operator on two machine integers; returns `None` if the operator is not defined for their types.
+pub(super) fn machine_binary(
+    cx: &mut Body<'_, '_>,
+    op: BinaryOp,
+    [left, right]: [ExprId; 2],
+    span: Span,
+) -> Option<ExprId> {
+    let Ty::Machine(of) = *cx.ty_of(left) else {
+        return None;
+    };
+    let right = convert_shift_count(cx, op, right, of, span);
+    let has_place = match (op, cx.ty_of(right)) {
+        (BinaryOp::ShiftLeft | BinaryOp::ShiftRight, Ty::Machine(by)) => !by.signed,
+        (_, Ty::Machine(other)) => *other == of,
+        _ => false,
+    };
+    if !has_place {
+        return None;
     }
-
-    /// Checks a unary operator on a machine integer; returns `None` if the operator is not defined for machine
-    /// integers.
-    pub(super) fn machine_unary(
-        &mut self,
-        op: UnaryOp,
-        operand: ExprId,
-        of: MachineInt,
-        span: Span,
-    ) -> Option<ExprId> {
-        let width = self.width(of, span);
-        let ty = Ty::Machine(of);
-        Some(match op {
-            UnaryOp::Neg => {
-                // There is no negation primitive; `0 - x` wraps around in the same way.
-                let zero = self.number_of_bits(0, span);
-                let operands = [zero, operand, width];
-                self.prim_typed(prim!("Rpi::MachineSubtract"), &operands, ty, span)
-            }
-            UnaryOp::BitNot => {
-                self.prim_typed(prim!("Rpi::MachineNot"), &[operand, width], ty, span)
-            }
-            UnaryOp::ToInt => {
-                self.prim_typed(prim!("Rpi::MachineToInt"), &[operand, width], Ty::Int, span)
-            }
-            _ => return None,
-        })
-    }
-
-    /// Checks a binary operator on two machine integers; returns `None` if the operator is not defined for their types.
-    pub(super) fn machine_binary(
-        &mut self,
-        op: BinaryOp,
-        [left, right]: [ExprId; 2],
-        span: Span,
-    ) -> Option<ExprId> {
-        let Ty::Machine(of) = *self.ty_of(left) else {
-            return None;
+    if let Some((prim, swapped)) = comparison(op) {
+        let width = signed_width(cx, of, span);
+        let operands = if swapped {
+            [right, left, width]
+        } else {
+            [left, right, width]
         };
-        let right = self.shifted_by(op, right, of, span);
-        let has_place = match (op, self.ty_of(right)) {
-            (BinaryOp::ShiftLeft | BinaryOp::ShiftRight, Ty::Machine(by)) => !by.signed,
-            (_, Ty::Machine(other)) => *other == of,
-            _ => false,
-        };
-        if !has_place {
-            return None;
-        }
-        if let Some((prim, swapped)) = comparison(op) {
-            let width = self.width(of, span);
-            let operands = if swapped {
-                [right, left, width]
-            } else {
-                [left, right, width]
-            };
-            return Some(self.prim_typed(prim, &operands, Ty::Bool, span));
-        }
-        let prim = arithmetic(op)?;
-        let mut operands = vec![left, right];
-        if prim.desc().inputs.len() > 2 {
-            operands.push(self.width(of, span));
-        }
-        Some(self.prim_typed(prim, &operands, Ty::Machine(of), span))
+        return Some(prim::add_prim(cx, prim, &operands, Ty::Bool, span));
     }
-
-    /// Converts the shift count of `x lsh 3`: an integer becomes an unsigned machine integer of the width of `x`.
-    fn shifted_by(&mut self, op: BinaryOp, by: ExprId, of: MachineInt, span: Span) -> ExprId {
-        let shifts = matches!(op, BinaryOp::ShiftLeft | BinaryOp::ShiftRight);
-        match shifts && *self.ty_of(by) == Ty::Int {
-            true => self.wrapped(
-                by,
-                MachineInt {
-                    signed: false,
-                    ..of
-                },
-                span,
-            ),
-            false => by,
-        }
+    let prim = arithmetic(op)?;
+    let mut operands = vec![left, right];
+    if prim.desc().inputs.len() > 2 {
+        operands.push(signed_width(cx, of, span));
     }
+    Some(prim::add_prim(cx, prim, &operands, Ty::Machine(of), span))
+}
 
-    /// Checks the bit concatenation `x ++ y` of Kind 2.
-    pub(super) fn append(&mut self, binary: &'a Binary, span: Span) -> ExprId {
-        let both = [self.expr(&binary.lhs), self.expr(&binary.rhs)];
-        if both.iter().any(|id| self.ty_of(*id).is_unknown()) {
-            return self.fault(span);
-        }
-        let joined = self.bits_joined(both, span);
-        joined.unwrap_or_else(|| self.no_operator(BinaryOp::Append, both[0], both[1], span))
-    }
-
-    /// Adds the fix that converts an integer operand to the machine integer type of the other operand.
-    pub(super) fn as_machine(&self, finding: Finding, of: MachineInt, int: ExprId) -> Finding {
-        let span = self.span_of(int);
-        let to = of.conversion();
-        let fix = Fix::maybe(format!("convert with `{to}`"));
-        finding.fix(
-            fix.insert_before(span, format!("({to} "))
-                .insert_after(span, ")"),
-        )
-    }
-
-    /// Concatenates the bits of two machine integers, `high` above `low`; returns `None` for operands of other types.
-    fn bits_joined(&mut self, [high, low]: [ExprId; 2], span: Span) -> Option<ExprId> {
-        let (&Ty::Machine(above), &Ty::Machine(below)) = (self.ty_of(high), self.ty_of(low)) else {
-            return None;
-        };
-        let bits = i64::from(above.bits) + i64::from(below.bits);
-        let Some(whole) = MachineInt::new(above.signed, bits) else {
-            self.foreign(
-                "a machine integer of more than 64 bits",
-                "at most 64 bits are supported",
-                span,
-            );
-            return Some(self.fault(span));
-        };
-        let (plain, ty) = (
+/// Converts the shift count of `x lsh 3`: an integer becomes an unsigned machine integer of the width of `x`.
+fn convert_shift_count(
+    cx: &mut Body<'_, '_>,
+    op: BinaryOp,
+    by: ExprId,
+    of: MachineInt,
+    span: Span,
+) -> ExprId {
+    let shifts = matches!(op, BinaryOp::ShiftLeft | BinaryOp::ShiftRight);
+    match shifts && *cx.ty_of(by) == Ty::Int {
+        true => wrap_to_width(
+            cx,
+            by,
             MachineInt {
                 signed: false,
-                ..below
+                ..of
             },
-            Ty::Machine(whole),
-        );
-        let places = self.number_of_bits(i64::from(below.bits), span);
-        let width = self.width(whole, span);
-        let shift = prim!("Rpi::MachineShiftLeft");
-        let high = self.prim_typed(shift, &[high, places, width], ty.clone(), span);
-        let low = self.wrapped(low, plain, span);
-        Some(self.prim_typed(prim!("Rpi::MachineOr"), &[high, low], ty, span))
+            span,
+        ),
+        false => by,
     }
+}
 
-    /// Checks a bit slice of a machine integer, such as `x[7:0]`.
-    pub(super) fn bits(&mut self, of: &'a Bits, span: Span) -> ExprId {
-        let base = self.expr(&of.base);
-        let bounds = [&of.high, &of.low].map(|bound| self.integer(bound));
-        let ty = self.ty_of(base).clone();
-        let known = ty.is_unknown() || bounds.contains(&None);
-        let [Some(high), Some(low)] = bounds else {
-            return self.fault(span);
-        };
-        // In RPI text the parser has already reported the bit slice.
-        if known || self.is_rpi() {
-            return self.fault(span);
-        }
-        let Ty::Machine(machine) = ty else {
-            let finding = Finding::new(Code::RPI2006, "only a machine integer has bits")
-                .at(of.base.span, format!("this is `{ty}`"));
-            return self.fault_with(finding, span);
-        };
-        for (bit, at) in [(high, &of.high), (low, &of.low)] {
-            if !(0..i64::from(machine.bits)).contains(&bit) {
-                return self.fault_with(no_bit(bit, machine, at), span);
-            }
-        }
-        let Some(part) = MachineInt::new(false, high - low + 1) else {
-            let finding = Finding::new(Code::RPI2009, "empty bit range")
-                .at(span, format!("from {high} down to {low}"))
-                .help("the highest bit comes first: `x[7:0]`");
-            return self.fault_with(finding, span);
-        };
-        let (places, width) = (self.number_of_bits(low, span), self.width(machine, span));
-        let shift = prim!("Rpi::MachineShiftRight");
-        let moved = self.prim_typed(shift, &[base, places, width], Ty::Machine(machine), span);
-        self.wrapped(moved, part, span)
+/// Checks the bit concatenation `x ++ y` of Kind 2.
+pub(super) fn bit_concat<'a>(cx: &mut Body<'_, 'a>, binary: &'a Binary, span: Span) -> ExprId {
+    let both = [
+        expr::check_expr(cx, &binary.lhs),
+        expr::check_expr(cx, &binary.rhs),
+    ];
+    if both.iter().any(|id| cx.ty_of(*id).is_unknown()) {
+        return cx.fault(span);
     }
+    let joined = concat_bits(cx, both, span);
+    joined
+        .unwrap_or_else(|| ops::unsupported_operands(cx, BinaryOp::Append, both[0], both[1], span))
+}
+
+/// Adds the fix that converts an integer operand to the machine integer type of the other operand.
+pub(super) fn with_conversion_fix(
+    cx: &Body<'_, '_>,
+    finding: Finding,
+    of: MachineInt,
+    int: ExprId,
+) -> Finding {
+    let span = cx.span_of(int);
+    let to = of.conversion();
+    let fix = Fix::maybe(format!("convert with `{to}`"));
+    finding.fix(
+        fix.insert_before(span, format!("({to} "))
+            .insert_after(span, ")"),
+    )
+}
+
+/// Concatenates the bits of two machine integers, `high` above `low`; returns `None` for operands of other types.
+fn concat_bits(cx: &mut Body<'_, '_>, [high, low]: [ExprId; 2], span: Span) -> Option<ExprId> {
+    let (&Ty::Machine(above), &Ty::Machine(below)) = (cx.ty_of(high), cx.ty_of(low)) else {
+        return None;
+    };
+    let bits = i64::from(above.bits) + i64::from(below.bits);
+    let Some(whole) = MachineInt::new(above.signed, bits) else {
+        quantifier::not_executable(
+            cx,
+            "a machine integer of more than 64 bits",
+            "at most 64 bits are supported",
+            span,
+        );
+        return Some(cx.fault(span));
+    };
+    let (plain, ty) = (
+        MachineInt {
+            signed: false,
+            ..below
+        },
+        Ty::Machine(whole),
+    );
+    let places = int_literal(cx, i64::from(below.bits), span);
+    let width = signed_width(cx, whole, span);
+    let shift = prim!("Rpi::MachineShiftLeft");
+    let high = prim::add_prim(cx, shift, &[high, places, width], ty.clone(), span);
+    let low = wrap_to_width(cx, low, plain, span);
+    Some(prim::add_prim(
+        cx,
+        prim!("Rpi::MachineOr"),
+        &[high, low],
+        ty,
+        span,
+    ))
+}
+
+/// Checks a bit slice of a machine integer, such as `x[7:0]`.
+pub(super) fn bit_slice<'a>(cx: &mut Body<'_, 'a>, of: &'a Bits, span: Span) -> ExprId {
+    let base = expr::check_expr(cx, &of.base);
+    let bounds = [&of.high, &of.low].map(|bound| consts::const_integer(cx, bound));
+    let ty = cx.ty_of(base).clone();
+    let known = ty.is_unknown() || bounds.contains(&None);
+    let [Some(high), Some(low)] = bounds else {
+        return cx.fault(span);
+    };
+    // In RPI text the parser has already reported the bit slice.
+    if known || unit::reads_rpi_syntax(cx) {
+        return cx.fault(span);
+    }
+    let Ty::Machine(machine) = ty else {
+        let finding = Finding::new(Code::RPI2006, "only a machine integer has bits")
+            .at(of.base.span, format!("this is `{ty}`"));
+        return cx.fault_with(finding, span);
+    };
+    for (bit, at) in [(high, &of.high), (low, &of.low)] {
+        if !(0..i64::from(machine.bits)).contains(&bit) {
+            return cx.fault_with(no_bit(bit, machine, at), span);
+        }
+    }
+    let Some(part) = MachineInt::new(false, high - low + 1) else {
+        let finding = Finding::new(Code::RPI2009, "empty bit range")
+            .at(span, format!("from {high} down to {low}"))
+            .help("the highest bit comes first: `x[7:0]`");
+        return cx.fault_with(finding, span);
+    };
+    let (places, width) = (int_literal(cx, low, span), signed_width(cx, machine, span));
+    let shift = prim!("Rpi::MachineShiftRight");
+    let moved = prim::add_prim(
+        cx,
+        shift,
+        &[base, places, width],
+        Ty::Machine(machine),
+        span,
+    );
+    wrap_to_width(cx, moved, part, span)
 }
 
 /// Returns the bits of a number literal above `i64::MAX`; `None` for any other expression.

@@ -4,7 +4,12 @@
 //! "Warnings for pattern matching" (2007): is there a value that matches a pattern and none of the patterns before it?
 
 use super::body::Body;
+use super::bound;
 use super::bound::Means;
+use super::data;
+use super::expr;
+use super::ops;
+use super::report;
 use super::report::listed;
 use crate::program::{DeclKind, Lookup, Space};
 use crate::ty::{EnumTy, Ty};
@@ -38,220 +43,222 @@ struct Case {
     then: ExprId,
 }
 
-impl<'a> Body<'_, 'a> {
-    /// Checks `match x with A: 1 | B(n): n end`; the result is a chain of `if` expressions.
-    pub(super) fn match_of(&mut self, of: &'a Match, span: Span) -> ExprId {
-        let value = self.expr(&of.value);
-        let known = self.alternatives(value);
-        let before = self.findings.len();
-        let mut cases: Vec<Case> = Vec::new();
-        for arm in &of.arms {
-            let case = self.case_of_match(value, known.is_some(), arm);
-            if let Some(first) = cases.first() {
-                self.common_type(first.then, case.then, "all cases must have the same type");
-            }
-            cases.push(case);
-        }
-        let Some((all, _)) = known else {
-            let ty = cases
-                .first()
-                .map_or(Ty::Unknown, |case| self.ty_of(case.then).clone());
-            return self.add(Kind::Fault, ty, span);
-        };
-        if !self.has_error_since(before) {
-            self.fit_some_case(&all, value, of, &cases, span);
-        }
-        if self.has_error_since(before) {
-            return self.fault(span);
-        }
-        // Built from the end: the cases are exhaustive, so the last one is the final `else`.
-        let mut cases = cases.into_iter().rev();
-        let Some(last) = cases.next() else {
-            return self.fault(span);
-        };
-        cases.fold(last.then, |rest, case| {
-            let Some(test) = self.all_hold(&case.tests, span) else {
-                return case.then;
-            };
-            let ty = self.ty_of(case.then).clone();
-            self.add(
-                Kind::Each(Each::If, [test, case.then, rest].into()),
-                ty,
-                span,
-            )
-        })
-    }
-
-    fn all_hold(&mut self, tests: &[ExprId], span: Span) -> Option<ExprId> {
-        let (first, rest) = tests.split_first()?;
-        let and = |whole, test| self.binary_prim(BinaryOp::And, whole, test, span);
-        Some(rest.iter().copied().fold(*first, and))
-    }
-
-    /// Checks a case. The names in its pattern are in scope while its value is checked.
-    fn case_of_match(&mut self, value: ExprId, is_known: bool, arm: &'a Arm) -> Case {
-        let before = self.bound.len();
-        let mut tests = Vec::new();
-        let shape = match is_known {
-            true => self.looks_like(value, &arm.pattern, &mut tests),
-            // The error in the value has been reported; the names in the pattern get error expressions.
-            false => {
-                for name in arm.pattern.names() {
-                    let nothing = self.fault(name.span);
-                    self.bind_name(name, Means::Expr(nothing));
-                }
-                Shape::Any
-            }
-        };
-        let then = self.expr(&arm.then);
-        self.bound.truncate(before);
-        Case { shape, tests, then }
-    }
-
-    /// Returns the shape of a pattern, adds its conditions to `tests` and binds its names to parts of the value.
-    fn looks_like(
-        &mut self,
-        value: ExprId,
-        pattern: &'a Pattern,
-        tests: &mut Vec<ExprId>,
-    ) -> Shape {
-        let name = &pattern.name;
-        let has_alternatives = alternatives_of(self.ty_of(value)).is_some();
-        let known = match has_alternatives || !pattern.parts.is_empty() {
-            true => self.alternatives(value),
-            false => None,
-        };
-        let index = known
-            .as_ref()
-            .and_then(|(all, _)| all.values.iter().position(|value| *value == name.name));
-        match (known, index) {
-            (Some((all, tag)), Some(index)) => {
-                let test = self.is_alternative(&all, tag, index, name.span);
-                tests.push(test);
-                Shape::Of(index, self.parts_look_like(value, pattern, index, tests))
-            }
-            (Some((all, _)), None) if self.is_value(name) || !pattern.parts.is_empty() => {
-                self.no_alternative(&all, name);
-                Shape::Any
-            }
-            _ => {
-                if name.name != "_" {
-                    self.bind_name(name, Means::Expr(value));
-                }
-                Shape::Any
-            }
-        }
-    }
-
-    fn is_value(&self, name: &Ident) -> bool {
-        let found = self
-            .c
-            .program
-            .lookup_in(Space::Value, self.module, &name.name);
-        matches!(found, Lookup::Found(_))
-    }
-
-    fn parts_look_like(
-        &mut self,
-        value: ExprId,
-        pattern: &'a Pattern,
-        index: usize,
-        tests: &mut Vec<ExprId>,
-    ) -> Vec<Shape> {
-        let (from, count) = self.parts_of_alternative(&pattern.name.name, index);
-        if count != pattern.parts.len() {
-            let span = pattern.name.span;
-            self.wrong_parts(&pattern.name, count, pattern.parts.len(), span);
-            return vec![Shape::Any; count];
-        }
-        let fields = self.ty_of(value).members().to_vec();
-        let mut shapes = Vec::with_capacity(count);
-        let mut at = 0;
-        for (k, field) in fields.iter().enumerate() {
-            if let Some(pattern) = k.checked_sub(from).and_then(|k| pattern.parts.get(k)) {
-                let span = pattern.name.span;
-                let part = Kind::Part { base: value, at };
-                let part = self.add(part, field.ty.clone(), span);
-                shapes.push(self.looks_like(part, pattern, tests));
-            }
-            at += super::access::leaves(&field.ty);
-        }
-        shapes
-    }
-
-    /// Returns the index of the first field that holds a part of an alternative, and the number of its parts.
-    fn parts_of_alternative(&self, name: &Name, index: usize) -> (usize, usize) {
-        let found = self.c.program.lookup_in(Space::Value, self.module, name);
-        let Lookup::Found(id) = found else {
-            return (0, 0);
-        };
-        match self.c.program.decl(id).kind {
-            DeclKind::Constructor { ty, .. } => self.parts_of_constructor(ty, index as u32),
-            _ => (0, 0),
-        }
-    }
-
-    /// Reports missing cases and unreachable cases of a `match`.
-    fn fit_some_case(
-        &mut self,
-        all: &EnumTy,
-        value: ExprId,
-        of: &Match,
-        cases: &[Case],
-        span: Span,
-    ) {
-        let mut search = Search {
-            body: self,
-            steps: 0,
-        };
-        let types = [search.body.ty_of(value).clone()];
-        let rows: Vec<Vec<&Shape>> = cases.iter().map(|case| vec![&case.shape]).collect();
-        let without = |k: &usize| {
-            let is_it = |case: &Case| matches!(&case.shape, Shape::Of(index, _) if index == k);
-            !cases.iter().any(is_it)
-        };
-        let has_any = cases.iter().any(|case| matches!(case.shape, Shape::Any));
-        let mut missing: Vec<String> = match has_any {
-            true => Vec::new(),
-            false => (0..all.values.len())
-                .filter(without)
-                .map(|k| all.values[k].to_string())
-                .collect(),
-        };
-        if missing.is_empty() && !has_any {
-            missing.extend(
-                search
-                    .fits_none(&types, &rows, &[ANY])
-                    .into_iter()
-                    .flatten(),
+/// Checks `match x with A: 1 | B(n): n end`; the result is a chain of `if` expressions.
+pub(super) fn match_expr<'a>(cx: &mut Body<'_, 'a>, of: &'a Match, span: Span) -> ExprId {
+    let value = expr::check_expr(cx, &of.value);
+    let known = data::alternatives(cx, value);
+    let before = cx.findings.len();
+    let mut cases: Vec<Case> = Vec::new();
+    for arm in &of.arms {
+        let case = check_match_case(cx, value, known.is_some(), arm);
+        if let Some(first) = cases.first() {
+            expr::common_type(
+                cx,
+                first.then,
+                case.then,
+                "all cases must have the same type",
             );
         }
-        let unknown = missing.is_empty() && search.steps > MAX_STEPS;
-        search.steps = 0;
-        let mut needless = Vec::new();
-        for k in 1..rows.len() {
-            if search.fits_none(&types, &rows[..k], &rows[k]).is_none() {
-                needless.push(k);
+        cases.push(case);
+    }
+    let Some((all, _)) = known else {
+        let ty = cases
+            .first()
+            .map_or(Ty::Unknown, |case| cx.ty_of(case.then).clone());
+        return cx.add(Kind::Fault, ty, span);
+    };
+    if !report::has_error_since(cx, before) {
+        check_exhaustiveness(cx, &all, value, of, &cases, span);
+    }
+    if report::has_error_since(cx, before) {
+        return cx.fault(span);
+    }
+    // Built from the end: the cases are exhaustive, so the last one is the final `else`.
+    let mut cases = cases.into_iter().rev();
+    let Some(last) = cases.next() else {
+        return cx.fault(span);
+    };
+    cases.fold(last.then, |rest, case| {
+        let Some(test) = conjunction(cx, &case.tests, span) else {
+            return case.then;
+        };
+        let ty = cx.ty_of(case.then).clone();
+        cx.add(
+            Kind::Each(Each::If, [test, case.then, rest].into()),
+            ty,
+            span,
+        )
+    })
+}
+
+fn conjunction(cx: &mut Body<'_, '_>, tests: &[ExprId], span: Span) -> Option<ExprId> {
+    let (first, rest) = tests.split_first()?;
+    let and = |whole, test| ops::binary_prim(cx, BinaryOp::And, whole, test, span);
+    Some(rest.iter().copied().fold(*first, and))
+}
+
+/// Checks a case. The names in its pattern are in scope while its value is checked.
+fn check_match_case<'a>(
+    cx: &mut Body<'_, 'a>,
+    value: ExprId,
+    is_known: bool,
+    arm: &'a Arm,
+) -> Case {
+    let before = cx.bound.len();
+    let mut tests = Vec::new();
+    let shape = match is_known {
+        true => check_pattern(cx, value, &arm.pattern, &mut tests),
+        // The error in the value has been reported; the names in the pattern get error expressions.
+        false => {
+            for name in arm.pattern.names() {
+                let nothing = cx.fault(name.span);
+                bound::bind_name(cx, name, Means::Expr(nothing));
             }
+            Shape::Any
         }
-        if search.steps > MAX_STEPS {
-            needless.clear();
+    };
+    let then = expr::check_expr(cx, &arm.then);
+    cx.bound.truncate(before);
+    Case { shape, tests, then }
+}
+
+/// Returns the shape of a pattern, adds its conditions to `tests` and binds its names to parts of the value.
+fn check_pattern<'a>(
+    cx: &mut Body<'_, 'a>,
+    value: ExprId,
+    pattern: &'a Pattern,
+    tests: &mut Vec<ExprId>,
+) -> Shape {
+    let name = &pattern.name;
+    let has_alternatives = alternatives_of(cx.ty_of(value)).is_some();
+    let known = match has_alternatives || !pattern.parts.is_empty() {
+        true => data::alternatives(cx, value),
+        false => None,
+    };
+    let index = known
+        .as_ref()
+        .and_then(|(all, _)| all.values.iter().position(|value| *value == name.name));
+    match (known, index) {
+        (Some((all, tag)), Some(index)) => {
+            let test = data::tag_test(cx, &all, tag, index, name.span);
+            tests.push(test);
+            Shape::Of(index, check_part_patterns(cx, value, pattern, index, tests))
         }
-        if !missing.is_empty() {
-            let missing = listed(missing.iter().map(String::as_str));
-            let finding = Finding::new(
-                Code::RPI2011,
-                format!("non-exhaustive match: {missing} not covered"),
-            )
-            .at(span, "a `match` needs a case for every alternative");
-            self.report(finding);
+        (Some((all, _)), None) if is_declared_value(cx, name) || !pattern.parts.is_empty() => {
+            data::report_unknown_alternative(cx, &all, name);
+            Shape::Any
         }
-        if unknown {
-            self.report(too_many_cases(span));
+        _ => {
+            if name.name != "_" {
+                bound::bind_name(cx, name, Means::Expr(value));
+            }
+            Shape::Any
         }
-        for k in needless {
-            self.report(needless_case(&of.arms[..k], &of.arms[k].pattern));
+    }
+}
+
+fn is_declared_value(cx: &Body<'_, '_>, name: &Ident) -> bool {
+    let found = cx.c.program.lookup_in(Space::Value, cx.module, &name.name);
+    matches!(found, Lookup::Found(_))
+}
+
+fn check_part_patterns<'a>(
+    cx: &mut Body<'_, 'a>,
+    value: ExprId,
+    pattern: &'a Pattern,
+    index: usize,
+    tests: &mut Vec<ExprId>,
+) -> Vec<Shape> {
+    let (from, count) = parts_of_alternative(cx, &pattern.name.name, index);
+    if count != pattern.parts.len() {
+        let span = pattern.name.span;
+        data::report_part_count(cx, &pattern.name, count, pattern.parts.len(), span);
+        return vec![Shape::Any; count];
+    }
+    let fields = cx.ty_of(value).members().to_vec();
+    let mut shapes = Vec::with_capacity(count);
+    let mut at = 0;
+    for (k, field) in fields.iter().enumerate() {
+        if let Some(pattern) = k.checked_sub(from).and_then(|k| pattern.parts.get(k)) {
+            let span = pattern.name.span;
+            let part = Kind::Part { base: value, at };
+            let part = cx.add(part, field.ty.clone(), span);
+            shapes.push(check_pattern(cx, part, pattern, tests));
         }
+        at += super::access::leaves(&field.ty);
+    }
+    shapes
+}
+
+/// Returns the index of the first field that holds a part of an alternative, and the number of its parts.
+fn parts_of_alternative(cx: &Body<'_, '_>, name: &Name, index: usize) -> (usize, usize) {
+    let found = cx.c.program.lookup_in(Space::Value, cx.module, name);
+    let Lookup::Found(id) = found else {
+        return (0, 0);
+    };
+    match cx.c.program.decl(id).kind {
+        DeclKind::Constructor { ty, .. } => data::constructor_field_range(cx, ty, index as u32),
+        _ => (0, 0),
+    }
+}
+
+/// Reports missing cases and unreachable cases of a `match`.
+fn check_exhaustiveness(
+    cx: &mut Body<'_, '_>,
+    all: &EnumTy,
+    value: ExprId,
+    of: &Match,
+    cases: &[Case],
+    span: Span,
+) {
+    let mut search = Search { body: cx, steps: 0 };
+    let types = [search.body.ty_of(value).clone()];
+    let rows: Vec<Vec<&Shape>> = cases.iter().map(|case| vec![&case.shape]).collect();
+    let without = |k: &usize| {
+        let is_it = |case: &Case| matches!(&case.shape, Shape::Of(index, _) if index == k);
+        !cases.iter().any(is_it)
+    };
+    let has_any = cases.iter().any(|case| matches!(case.shape, Shape::Any));
+    let mut missing: Vec<String> = match has_any {
+        true => Vec::new(),
+        false => (0..all.values.len())
+            .filter(without)
+            .map(|k| all.values[k].to_string())
+            .collect(),
+    };
+    if missing.is_empty() && !has_any {
+        missing.extend(
+            search
+                .fits_none(&types, &rows, &[ANY])
+                .into_iter()
+                .flatten(),
+        );
+    }
+    let unknown = missing.is_empty() && search.steps > MAX_STEPS;
+    search.steps = 0;
+    let mut needless = Vec::new();
+    for k in 1..rows.len() {
+        if search.fits_none(&types, &rows[..k], &rows[k]).is_none() {
+            needless.push(k);
+        }
+    }
+    if search.steps > MAX_STEPS {
+        needless.clear();
+    }
+    if !missing.is_empty() {
+        let missing = listed(missing.iter().map(String::as_str));
+        let finding = Finding::new(
+            Code::RPI2011,
+            format!("non-exhaustive match: {missing} not covered"),
+        )
+        .at(span, "a `match` needs a case for every alternative");
+        report::report_diagnostic(cx, finding);
+    }
+    if unknown {
+        report::report_diagnostic(cx, too_many_cases(span));
+    }
+    for k in needless {
+        report::report_diagnostic(cx, needless_case(&of.arms[..k], &of.arms[k].pattern));
     }
 }
 
@@ -338,7 +345,7 @@ impl Search<'_, '_, '_> {
                 self.fits_none_of((ty, all, *index), types, rows, (&parts, rest))
             }
             (_, Some(all)) if rows.iter().any(is_of) => (0..all.values.len()).find_map(|index| {
-                let (_, count) = self.body.parts_of_alternative(&all.values[index], index);
+                let (_, count) = parts_of_alternative(self.body, &all.values[index], index);
                 let parts = vec![ANY; count];
                 self.fits_none_of((ty, all, index), types, rows, (&parts, rest))
             }),
@@ -361,7 +368,7 @@ impl Search<'_, '_, '_> {
         (parts, rest): (&[&Shape], &[&Shape]),
     ) -> Option<Vec<String>> {
         let name = &all.values[index];
-        let (from, count) = self.body.parts_of_alternative(name, index);
+        let (from, count) = parts_of_alternative(self.body, name, index);
         let fields = ty.members().iter().skip(from).take(count);
         let inner: Vec<Ty> = fields.map(|field| field.ty.clone()).collect();
         let opened = rows.iter().filter_map(|row| match row.split_first()? {

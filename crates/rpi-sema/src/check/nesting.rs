@@ -35,15 +35,13 @@ pub(super) fn most(program: &Program<'_>) -> usize {
     MAX_WRITTEN_OUT + PER_BYTE * program.length()
 }
 
-impl Body<'_, '_> {
-    /// Whether another element or instance may be expanded; reports the limit once if not.
-    pub(super) fn may_go_on(&mut self, span: Span) -> bool {
-        let may = self.c.written_out + self.unit.exprs.len() < self.c.most;
-        if !may {
-            self.c.too_much(span);
-        }
-        may
+/// Whether another element or instance may be expanded; reports the limit once if not.
+pub(super) fn may_expand(cx: &mut Body<'_, '_>, span: Span) -> bool {
+    let may = cx.c.written_out + cx.unit.exprs.len() < cx.c.most;
+    if !may {
+        cx.c.too_much(span);
     }
+    may
 }
 
 impl Checker<'_> {

@@ -1,9 +1,23 @@
 //! Operators: the primitive for each combination of operand types, and the result type.
 
+use super::apart;
 use super::body::Body;
+use super::bracketed;
+use super::clocked;
+use super::compose;
+use super::consts;
+use super::expr;
+use super::frames;
 use super::guess::{binary_guess, guess_by_number, unary_guess};
+use super::machine;
+use super::misread;
+use super::prim;
+use super::quantifier;
 use super::quantity;
+use super::report;
 use super::report::Wanted;
+use super::statement;
+use super::time;
 use super::types::{FOREIGN, is_foreign};
 use crate::ty::{Geometry, Ty, join};
 use crate::typed::{Each, ExprId, Kind, Leaf, Unit, UnitKind};
@@ -128,377 +142,407 @@ const UNARY: &[(UnaryOp, Scalar, PrimId)] = &[
     (UnaryOp::ToReal, Int,    prim!("Core::DoubleFromInt")),
 ];
 
-impl<'a> Body<'_, 'a> {
-    /// Checks a unary operation `op operand`.
-    pub(super) fn unary(&mut self, op: UnaryOp, operand: &'a ast::Expr, span: Span) -> ExprId {
-        if let (UnaryOp::Neg, ExprKind::Number(number)) = (op, &operand.kind) {
-            self.numbers.insert(span);
-            return self.number(number, true, span);
-        }
-        match op {
-            UnaryOp::Pre => self.pre(operand, span),
-            UnaryOp::Last => self.last(operand, span),
-            UnaryOp::Current => self.current_of(operand, span),
-            _ => {
-                let operand = self.expr(operand);
-                self.unary_prim(op, operand, span)
-            }
+/// Checks a unary operation `op operand`.
+pub(super) fn unary<'a>(
+    cx: &mut Body<'_, 'a>,
+    op: UnaryOp,
+    operand: &'a ast::Expr,
+    span: Span,
+) -> ExprId {
+    if let (UnaryOp::Neg, ExprKind::Number(number)) = (op, &operand.kind) {
+        cx.numbers.insert(span);
+        return expr::number_literal(cx, number, true, span);
+    }
+    match op {
+        UnaryOp::Pre => pre(cx, operand, span),
+        UnaryOp::Last => clocked::last_expr(cx, operand, span),
+        UnaryOp::Current => clocked::current_expr(cx, operand, span),
+        _ => {
+            let operand = expr::check_expr(cx, operand);
+            unary_prim(cx, op, operand, span)
         }
     }
+}
 
-    /// Checks a unary operator on a checked operand.
-    pub(super) fn unary_prim(&mut self, op: UnaryOp, operand: ExprId, span: Span) -> ExprId {
-        if matches!(op, UnaryOp::ToReal | UnaryOp::ToInt) {
-            self.in_seconds(operand);
-        }
-        let ty = self.ty_of(operand).clone();
-        if ty.is_unknown() {
-            return self.add(Kind::Fault, unary_guess(op), span);
-        }
-        if (op, &ty) == (UnaryOp::BitNot, &Ty::Bool) {
-            return self.bits_of_boolean(operand, span);
-        }
-        if matches!(
-            (op, &ty),
-            (UnaryOp::ToInt, Ty::Int) | (UnaryOp::ToReal, Ty::Real(_))
-        ) {
-            return operand;
-        }
-        if op == UnaryOp::ToInt && matches!(ty, Ty::Real(_)) {
-            let wanted = Wanted::By(Span::NONE, "an integer has no unit".into());
-            self.expect(operand, &Ty::REAL, &wanted);
-        }
-        if let Ty::Machine(of) = ty
-            && let Some(value) = self.machine_unary(op, operand, of, span)
-        {
-            return value;
-        }
-        if is_foreign(&ty, FOREIGN) && matches!(op, UnaryOp::Neg | UnaryOp::BitNot | UnaryOp::ToInt)
-        {
-            let ty = if op == UnaryOp::ToInt { Ty::Int } else { ty };
-            return self.add(Kind::Outside, ty, span);
-        }
-        let kind = match &ty {
-            Ty::Duration => Some(Int),
-            ty => operand_kind(ty),
-        };
-        let row = UNARY.iter().find(|row| row.0 == op && Some(row.1) == kind);
-        match row {
-            Some((_, _, prim)) => {
-                let ty = match op {
-                    UnaryOp::Neg => ty,
-                    _ => unary_guess(op),
-                };
-                self.prim_typed(*prim, &[operand], ty, span)
-            }
-            None => {
-                let finding = Finding::new(
-                    Code::RPI2006,
-                    format!("`{}` cannot take `{ty}`", op.spelling()),
-                )
-                .at(self.span_of(operand), format!("this is `{ty}`"));
-                let finding = quantity::operand_apart(finding, op, &ty);
-                self.fault_with(finding, span)
-            }
-        }
+/// Checks a unary operator on a checked operand.
+pub(super) fn unary_prim(
+    cx: &mut Body<'_, '_>,
+    op: UnaryOp,
+    operand: ExprId,
+    span: Span,
+) -> ExprId {
+    if matches!(op, UnaryOp::ToReal | UnaryOp::ToInt) {
+        time::convert_to_seconds(cx, operand);
     }
-
-    fn pre(&mut self, operand: &'a ast::Expr, span: Span) -> ExprId {
-        self.has_state(span);
-        self.past += 1;
-        let operand = self.expr(operand);
-        self.past -= 1;
-        let ty = self.ty_of(operand).clone();
-        self.add(Kind::Each(Each::Pre, [operand].into()), ty, span)
+    let ty = cx.ty_of(operand).clone();
+    if ty.is_unknown() {
+        return cx.add(Kind::Fault, unary_guess(op), span);
     }
-
-    /// Checks a binary operation `lhs op rhs`.
-    pub(super) fn binary(&mut self, binary: &'a Binary, span: Span) -> ExprId {
-        match binary.op {
-            BinaryOp::Concat => self.concat(binary, span),
-            BinaryOp::Append => self.append(binary, span),
-            BinaryOp::Repeat => self.repeat(binary, span),
-            BinaryOp::Coalesce => self.each_of_two(Each::Coalesce, binary, span),
-            BinaryOp::Arrow => {
-                self.has_state(span);
-                self.each_of_two(Each::Arrow, binary, span)
-            }
-            BinaryOp::Fby => self.fby(binary, span),
-            BinaryOp::In => self.is_in(&binary.lhs, &binary.rhs, span),
-            op => {
-                let (left, right) = (self.expr(&binary.lhs), self.expr(&binary.rhs));
-                if TESTS.contains(&op) && self.is_unsampled(&binary.lhs, left) {
-                    return self.fault(span);
-                }
-                if is_chained(binary) {
-                    return self.add(Kind::Fault, Ty::Bool, span);
-                }
-                if let Some(meant) = self.misread(binary, [left, right], span) {
-                    return meant;
-                }
-                self.binary_prim(op, left, right, span)
-            }
-        }
+    if (op, &ty) == (UnaryOp::BitNot, &Ty::Bool) {
+        return misread::bitwise_not_on_boolean(cx, operand, span);
     }
-
-    /// Whether the left side is an invalid sampled flow, as in `x when x > 0.0`. The comparison then reports no further
-    /// error.
-    fn is_unsampled(&self, lhs: &ast::Expr, left: ExprId) -> bool {
-        matches!(lhs.kind, ExprKind::When(_)) && matches!(self.unit.expr(left).kind, Kind::Fault)
+    if matches!(
+        (op, &ty),
+        (UnaryOp::ToInt, Ty::Int) | (UnaryOp::ToReal, Ty::Real(_))
+    ) {
+        return operand;
     }
-
-    /// Whether an expression is the integer 0: a literal, or one operation on literals.
-    fn is_zero(&mut self, id: ExprId) -> bool {
-        let literal = |unit: &Unit, id: ExprId| matches!(unit.expr(id).kind, Kind::Literal(_));
-        let known = match &self.unit.expr(id).kind {
-            Kind::Literal(_) => true,
-            Kind::Prim(call) => {
-                let mut inputs = call.inputs.iter().flatten();
-                inputs.all(|input| literal(&self.unit, *input))
-            }
-            _ => false,
-        };
-        let value = known.then(|| self.try_fold(id).ok()).flatten();
-        value.is_some_and(|leaves| leaves.first().and_then(Leaf::as_int) == Some(0))
+    if op == UnaryOp::ToInt && matches!(ty, Ty::Real(_)) {
+        let wanted = Wanted::By(Span::NONE, "an integer has no unit".into());
+        statement::expect_type(cx, operand, &Ty::REAL, &wanted);
     }
-
-    fn by_zero(&mut self, op: BinaryOp, divisor: ExprId) {
-        let message = format!("`{}` by zero is undefined", op.spelling());
-        let finding = Finding::new(Code::RPI2012, message)
-            .at(self.span_of(divisor), "this is 0 in every cycle")
-            .help("use a divisor other than 0");
-        self.report(finding);
+    if let Ty::Machine(of) = ty
+        && let Some(value) = machine::machine_unary(cx, op, operand, of, span)
+    {
+        return value;
     }
-
-    /// Extends the fix that writes the first integer of `x * 2 + 1` as a real to the other integers of the expression.
-    fn is_real_too(&mut self, left: ExprId, right: ExprId) {
-        let is_int = |body: &Self, id| body.is_number(id) && *body.ty_of(id) == Ty::Int;
-        let (faulty, int) = match (is_int(self, left), is_int(self, right)) {
-            (false, true) => (self.span_of(left), self.span_of(right)),
-            (true, false) => (self.span_of(right), self.span_of(left)),
-            _ => return,
-        };
-        let Some(finding) = self.made_real.and_then(|at| self.findings.get_mut(at)) else {
-            return;
-        };
-        let place = finding.span();
-        let is_inside = place.start >= faulty.start && place.end <= faulty.end;
-        if let Some(fix) = finding.fixes.first_mut().filter(|_| is_inside) {
-            *fix = fix.clone().insert_after(int, ".0");
-        }
+    if is_foreign(&ty, FOREIGN) && matches!(op, UnaryOp::Neg | UnaryOp::BitNot | UnaryOp::ToInt) {
+        let ty = if op == UnaryOp::ToInt { Ty::Int } else { ty };
+        return cx.add(Kind::Outside, ty, span);
     }
-
-    /// Checks a binary operator on checked operands.
-    pub(super) fn binary_prim(
-        &mut self,
-        op: BinaryOp,
-        left: ExprId,
-        right: ExprId,
-        span: Span,
-    ) -> ExprId {
-        if matches!(op, BinaryOp::Eq | BinaryOp::Ne) {
-            return self.equal(op, left, right, span);
+    let kind = match &ty {
+        Ty::Duration => Some(Int),
+        ty => operand_kind(ty),
+    };
+    let row = UNARY.iter().find(|row| row.0 == op && Some(row.1) == kind);
+    match row {
+        Some((_, _, prim)) => {
+            let ty = match op {
+                UnaryOp::Neg => ty,
+                _ => unary_guess(op),
+            };
+            prim::add_prim(cx, *prim, &[operand], ty, span)
         }
-        let (a, b) = (self.ty_of(left).clone(), self.ty_of(right).clone());
-        if a.is_unknown() || b.is_unknown() {
-            self.is_real_too(left, right);
-            let guess = guess_by_number(self.guesses, op, &a, &b);
-            let guess = guess.unwrap_or_else(|| binary_guess(op, &a, &b));
-            // After errors on both sides, of arrays for instance, the result type cannot be guessed.
-            let faulty = !self.inferring && a.is_unknown() && b.is_unknown();
-            let guess = if faulty { Ty::Unknown } else { guess };
-            return self.add(Kind::Fault, guess, span);
-        }
-        if let Some(value) = self.machine_binary(op, [left, right], span) {
-            return value;
-        }
-        let shifts = matches!(op, BinaryOp::ShiftLeft | BinaryOp::ShiftRight) && b == Ty::Int;
-        if is_foreign(&a, FOREIGN) && (a == b || shifts) {
-            let ty = if TESTS.contains(&op) { Ty::Bool } else { a };
-            return self.add(Kind::Outside, ty, span);
-        }
-        if let Some(of_times) = self.on_times(op, left, right, span) {
-            return of_times;
-        }
-        let (a, b) = (self.ty_of(left).clone(), self.ty_of(right).clone());
-        let kinds = (operand_kind(&a), operand_kind(&b));
-        let fits = |row: &&Row| row.op == op && (Some(row.left), Some(row.right)) == kinds;
-        let Some(row) = BINARY.iter().find(fits) else {
-            return self.no_operator(op, left, right, span);
-        };
-        // The evaluation of a constant reports the division by zero itself.
-        let is_run = self.unit.kind != UnitKind::Constant;
-        if is_run && DIVISIONS.contains(&row.prim) && self.is_zero(right) {
-            self.by_zero(op, right);
-        }
-        let ty = self.result_type(row, left, right);
-        if ty.is_unknown() {
-            return self.fault(span);
-        }
-        let operands = if row.swapped {
-            [right, left]
-        } else {
-            [left, right]
-        };
-        self.prim_typed(row.prim, &operands, ty, span)
-    }
-
-    /// Adds a logical operation on checked Booleans.
-    pub(super) fn logic(&mut self, prim: PrimId, operands: &[ExprId], span: Span) -> ExprId {
-        self.prim_typed(prim, operands, Ty::Bool, span)
-    }
-
-    fn result_type(&mut self, row: &Row, left: ExprId, right: ExprId) -> Ty {
-        let (a, b) = (self.ty_of(left).clone(), self.ty_of(right).clone());
-        match row.rule {
-            Rule::Same => self.joined(row.op, left, right),
-            Rule::Test => {
-                self.joined(row.op, left, right);
-                Ty::Bool
-            }
-            Rule::Times => self.scaled(&a, &b, Dim::times, left),
-            Rule::Over => self.scaled(&a, &b, Dim::over, left),
-            Rule::Power => self.raised(&a, left, right),
-            Rule::Compose => self.composed(left, right),
-            Rule::Moment => {
-                self.expect(right, &Ty::Real(Dim::TIME), &Wanted::Here);
-                Ty::Time
-            }
-            Rule::Seconds => Ty::Real(Dim::TIME),
-        }
-    }
-
-    fn joined(&mut self, op: BinaryOp, left: ExprId, right: ExprId) -> Ty {
-        self.times_meet(left, right);
-        let (a, b) = (self.ty_of(left).clone(), self.ty_of(right).clone());
-        match (join(&a, &b), &a, &b) {
-            (Ok(ty), ..) => {
-                self.angle_has_unit(left, &ty);
-                self.angle_has_unit(right, &ty);
-                ty
-            }
-            (Err(_), Ty::Real(_), Ty::Real(_)) => {
-                let sides = (self.measured(left), self.measured(right));
-                self.report(quantity::apart(op.spelling(), sides.0, sides.1));
-                Ty::Unknown
-            }
-            (Err(misfit), ..) => {
-                let wanted = Wanted::By(self.span_of(left), format!("this is `{a}`"));
-                self.misfit(right, &a, &misfit, &wanted);
-                Ty::Unknown
-            }
-        }
-    }
-
-    /// Returns the type of a product or quotient; `combine` multiplies or divides the dimensions.
-    fn scaled(&mut self, a: &Ty, b: &Ty, combine: fn(Dim, Dim) -> Option<Dim>, at: ExprId) -> Ty {
-        let dims = (dim_of(a), dim_of(b));
-        let dim = match dims {
-            (Some(a), Some(b)) => combine(a, b),
-            _ => None,
-        };
-        let spatial = [a, b].into_iter().find_map(|ty| match ty {
-            Ty::Spatial(scalar, geometry) => Some((*scalar, geometry)),
-            _ => None,
-        });
-        match (spatial, dim) {
-            (Some((scalar, geometry)), dim) => {
-                let geometry = Geometry {
-                    dim,
-                    ..(**geometry).clone()
-                };
-                Ty::Spatial(scalar, Rc::new(geometry))
-            }
-            (None, Some(dim)) => Ty::Real(dim),
-            (None, None) => {
-                let finding = Finding::new(Code::RPI2002, "exponent of a dimension out of range")
-                    .at(self.span_of(at), "too many factors");
-                self.report(finding);
-                Ty::Unknown
-            }
-        }
-    }
-
-    fn raised(&mut self, base: &Ty, left: ExprId, right: ExprId) -> Ty {
-        self.expect(
-            right,
-            &Ty::REAL,
-            &Wanted::By(Span::NONE, "an exponent has no unit".into()),
-        );
-        let dim = dim_of(base).unwrap_or(Dim::ONE);
-        if dim.is_plain() {
-            return Ty::REAL;
-        }
-        let exponent = self
-            .fold_quietly(right)
-            .and_then(|leaves| leaves.first()?.as_real());
-        let power = exponent.and_then(Ratio::of_real).and_then(|e| dim.power(e));
-        power.map_or_else(
-            || {
-                let finding = Finding::new(
-                    Code::RPI2002,
-                    format!("cannot infer the dimension of a power of `{dim}`"),
-                )
-                .at(
-                    self.span_of(right),
-                    "the exponent must be a constant small fraction",
-                )
-                .also(self.span_of(left), format!("this is in `{dim}`"));
-                self.report(finding);
-                Ty::Unknown
-            },
-            Ty::Real,
-        )
-    }
-
-    fn equal(&mut self, op: BinaryOp, left: ExprId, right: ExprId, span: Span) -> ExprId {
-        let ty = self.joined(op, left, right);
-        if matches!(ty, Ty::Device(_) | Ty::Text) {
+        None => {
             let finding = Finding::new(
                 Code::RPI2006,
                 format!("`{}` cannot take `{ty}`", op.spelling()),
             )
-            .at(self.span_of(left), format!("this is `{ty}`"));
-            return self.fault_with(finding, span);
+            .at(cx.span_of(operand), format!("this is `{ty}`"));
+            let finding = quantity::operand_apart(finding, op, &ty);
+            cx.fault_with(finding, span)
         }
-        let negated = op == BinaryOp::Ne;
-        let operands = [left, right];
-        self.add(Kind::Equal { operands, negated }, Ty::Bool, span)
     }
+}
 
-    /// Checks `a fby b`, which is `a -> pre b`.
-    fn fby(&mut self, binary: &'a Binary, span: Span) -> ExprId {
-        self.has_state(span);
-        let left = self.expr(&binary.lhs);
-        self.past += 1;
-        let right = self.expr(&binary.rhs);
-        self.past -= 1;
-        let ty = self.common_type(left, right, "both sides must have the same type");
-        let delayed = self.add(Kind::Each(Each::Pre, [right].into()), ty.clone(), span);
-        self.add(Kind::Each(Each::Arrow, [left, delayed].into()), ty, span)
+fn pre<'a>(cx: &mut Body<'_, 'a>, operand: &'a ast::Expr, span: Span) -> ExprId {
+    cx.has_state(span);
+    cx.past += 1;
+    let operand = expr::check_expr(cx, operand);
+    cx.past -= 1;
+    let ty = cx.ty_of(operand).clone();
+    cx.add(Kind::Each(Each::Pre, [operand].into()), ty, span)
+}
+
+/// Checks a binary operation `lhs op rhs`.
+pub(super) fn check_binary<'a>(cx: &mut Body<'_, 'a>, binary: &'a Binary, span: Span) -> ExprId {
+    match binary.op {
+        BinaryOp::Concat => compose::array_concat(cx, binary, span),
+        BinaryOp::Append => machine::bit_concat(cx, binary, span),
+        BinaryOp::Repeat => compose::array_repeat(cx, binary, span),
+        BinaryOp::Coalesce => bracketed::elementwise_binary(cx, Each::Coalesce, binary, span),
+        BinaryOp::Arrow => {
+            cx.has_state(span);
+            bracketed::elementwise_binary(cx, Each::Arrow, binary, span)
+        }
+        BinaryOp::Fby => fby(cx, binary, span),
+        BinaryOp::In => quantifier::membership(cx, &binary.lhs, &binary.rhs, span),
+        op => {
+            let (left, right) = (
+                expr::check_expr(cx, &binary.lhs),
+                expr::check_expr(cx, &binary.rhs),
+            );
+            if TESTS.contains(&op) && is_invalid_sample(cx, &binary.lhs, left) {
+                return cx.fault(span);
+            }
+            if is_chained(binary) {
+                return cx.add(Kind::Fault, Ty::Bool, span);
+            }
+            if let Some(meant) = misread::reinterpret_operator(cx, binary, [left, right], span) {
+                return meant;
+            }
+            binary_prim(cx, op, left, right, span)
+        }
     }
+}
 
-    pub(super) fn no_operator(
-        &mut self,
-        op: BinaryOp,
-        left: ExprId,
-        right: ExprId,
-        span: Span,
-    ) -> ExprId {
-        let (a, b) = (self.ty_of(left).clone(), self.ty_of(right).clone());
-        let text = op.spelling();
+/// Whether the left side is an invalid sampled flow, as in `x when x > 0.0`. The comparison then reports no further
+/// error.
+fn is_invalid_sample(cx: &Body<'_, '_>, lhs: &ast::Expr, left: ExprId) -> bool {
+    matches!(lhs.kind, ExprKind::When(_)) && matches!(cx.unit.expr(left).kind, Kind::Fault)
+}
+
+/// Whether an expression is the integer 0: a literal, or one operation on literals.
+fn is_zero(cx: &mut Body<'_, '_>, id: ExprId) -> bool {
+    let literal = |unit: &Unit, id: ExprId| matches!(unit.expr(id).kind, Kind::Literal(_));
+    let known = match &cx.unit.expr(id).kind {
+        Kind::Literal(_) => true,
+        Kind::Prim(call) => {
+            let mut inputs = call.inputs.iter().flatten();
+            inputs.all(|input| literal(&cx.unit, *input))
+        }
+        _ => false,
+    };
+    let value = known.then(|| consts::try_fold(cx, id).ok()).flatten();
+    value.is_some_and(|leaves| leaves.first().and_then(Leaf::as_int) == Some(0))
+}
+
+fn division_by_zero(cx: &mut Body<'_, '_>, op: BinaryOp, divisor: ExprId) {
+    let message = format!("`{}` by zero is undefined", op.spelling());
+    let finding = Finding::new(Code::RPI2012, message)
+        .at(cx.span_of(divisor), "this is 0 in every cycle")
+        .help("use a divisor other than 0");
+    report::report_diagnostic(cx, finding);
+}
+
+/// Extends the fix that writes the first integer of `x * 2 + 1` as a real to the other integers of the expression.
+fn extend_real_fix(cx: &mut Body<'_, '_>, left: ExprId, right: ExprId) {
+    let is_int =
+        |body: &Body, id| report::is_number_literal(body, id) && *body.ty_of(id) == Ty::Int;
+    let (faulty, int) = match (is_int(cx, left), is_int(cx, right)) {
+        (false, true) => (cx.span_of(left), cx.span_of(right)),
+        (true, false) => (cx.span_of(right), cx.span_of(left)),
+        _ => return,
+    };
+    let Some(finding) = cx.made_real.and_then(|at| cx.findings.get_mut(at)) else {
+        return;
+    };
+    let place = finding.span();
+    let is_inside = place.start >= faulty.start && place.end <= faulty.end;
+    if let Some(fix) = finding.fixes.first_mut().filter(|_| is_inside) {
+        *fix = fix.clone().insert_after(int, ".0");
+    }
+}
+
+/// Checks a binary operator on checked operands.
+pub(super) fn binary_prim(
+    cx: &mut Body<'_, '_>,
+    op: BinaryOp,
+    left: ExprId,
+    right: ExprId,
+    span: Span,
+) -> ExprId {
+    if matches!(op, BinaryOp::Eq | BinaryOp::Ne) {
+        return equality(cx, op, left, right, span);
+    }
+    let (a, b) = (cx.ty_of(left).clone(), cx.ty_of(right).clone());
+    if a.is_unknown() || b.is_unknown() {
+        extend_real_fix(cx, left, right);
+        let guess = guess_by_number(cx.guesses, op, &a, &b);
+        let guess = guess.unwrap_or_else(|| binary_guess(op, &a, &b));
+        // After errors on both sides, of arrays for instance, the result type cannot be guessed.
+        let faulty = !cx.inferring && a.is_unknown() && b.is_unknown();
+        let guess = if faulty { Ty::Unknown } else { guess };
+        return cx.add(Kind::Fault, guess, span);
+    }
+    if let Some(value) = machine::machine_binary(cx, op, [left, right], span) {
+        return value;
+    }
+    let shifts = matches!(op, BinaryOp::ShiftLeft | BinaryOp::ShiftRight) && b == Ty::Int;
+    if is_foreign(&a, FOREIGN) && (a == b || shifts) {
+        let ty = if TESTS.contains(&op) { Ty::Bool } else { a };
+        return cx.add(Kind::Outside, ty, span);
+    }
+    if let Some(of_times) = time::time_operator(cx, op, left, right, span) {
+        return of_times;
+    }
+    let (a, b) = (cx.ty_of(left).clone(), cx.ty_of(right).clone());
+    let kinds = (operand_kind(&a), operand_kind(&b));
+    let fits = |row: &&Row| row.op == op && (Some(row.left), Some(row.right)) == kinds;
+    let Some(row) = BINARY.iter().find(fits) else {
+        return unsupported_operands(cx, op, left, right, span);
+    };
+    // The evaluation of a constant reports the division by zero itself.
+    let is_run = cx.unit.kind != UnitKind::Constant;
+    if is_run && DIVISIONS.contains(&row.prim) && is_zero(cx, right) {
+        division_by_zero(cx, op, right);
+    }
+    let ty = result_type(cx, row, left, right);
+    if ty.is_unknown() {
+        return cx.fault(span);
+    }
+    let operands = if row.swapped {
+        [right, left]
+    } else {
+        [left, right]
+    };
+    prim::add_prim(cx, row.prim, &operands, ty, span)
+}
+
+/// Adds a logical operation on checked Booleans.
+pub(super) fn logical_prim(
+    cx: &mut Body<'_, '_>,
+    prim: PrimId,
+    operands: &[ExprId],
+    span: Span,
+) -> ExprId {
+    prim::add_prim(cx, prim, operands, Ty::Bool, span)
+}
+
+fn result_type(cx: &mut Body<'_, '_>, row: &Row, left: ExprId, right: ExprId) -> Ty {
+    let (a, b) = (cx.ty_of(left).clone(), cx.ty_of(right).clone());
+    match row.rule {
+        Rule::Same => common_operand_type(cx, row.op, left, right),
+        Rule::Test => {
+            common_operand_type(cx, row.op, left, right);
+            Ty::Bool
+        }
+        Rule::Times => scaled_type(cx, &a, &b, Dim::times, left),
+        Rule::Over => scaled_type(cx, &a, &b, Dim::over, left),
+        Rule::Power => power_type(cx, &a, left, right),
+        Rule::Compose => frames::composed_pose_type(cx, left, right),
+        Rule::Moment => {
+            statement::expect_type(cx, right, &Ty::Real(Dim::TIME), &Wanted::Here);
+            Ty::Time
+        }
+        Rule::Seconds => Ty::Real(Dim::TIME),
+    }
+}
+
+fn common_operand_type(cx: &mut Body<'_, '_>, op: BinaryOp, left: ExprId, right: ExprId) -> Ty {
+    time::unify_times(cx, left, right);
+    let (a, b) = (cx.ty_of(left).clone(), cx.ty_of(right).clone());
+    match (join(&a, &b), &a, &b) {
+        (Ok(ty), ..) => {
+            expr::check_angle_unit(cx, left, &ty);
+            expr::check_angle_unit(cx, right, &ty);
+            ty
+        }
+        (Err(_), Ty::Real(_), Ty::Real(_)) => {
+            let sides = (
+                report::measured_value(cx, left),
+                report::measured_value(cx, right),
+            );
+            report::report_diagnostic(cx, quantity::apart(op.spelling(), sides.0, sides.1));
+            Ty::Unknown
+        }
+        (Err(misfit), ..) => {
+            let wanted = Wanted::By(cx.span_of(left), format!("this is `{a}`"));
+            report::type_mismatch(cx, right, &a, &misfit, &wanted);
+            Ty::Unknown
+        }
+    }
+}
+
+/// Returns the type of a product or quotient; `combine` multiplies or divides the dimensions.
+fn scaled_type(
+    cx: &mut Body<'_, '_>,
+    a: &Ty,
+    b: &Ty,
+    combine: fn(Dim, Dim) -> Option<Dim>,
+    at: ExprId,
+) -> Ty {
+    let dims = (dim_of(a), dim_of(b));
+    let dim = match dims {
+        (Some(a), Some(b)) => combine(a, b),
+        _ => None,
+    };
+    let spatial = [a, b].into_iter().find_map(|ty| match ty {
+        Ty::Spatial(scalar, geometry) => Some((*scalar, geometry)),
+        _ => None,
+    });
+    match (spatial, dim) {
+        (Some((scalar, geometry)), dim) => {
+            let geometry = Geometry {
+                dim,
+                ..(**geometry).clone()
+            };
+            Ty::Spatial(scalar, Rc::new(geometry))
+        }
+        (None, Some(dim)) => Ty::Real(dim),
+        (None, None) => {
+            let finding = Finding::new(Code::RPI2002, "exponent of a dimension out of range")
+                .at(cx.span_of(at), "too many factors");
+            report::report_diagnostic(cx, finding);
+            Ty::Unknown
+        }
+    }
+}
+
+fn power_type(cx: &mut Body<'_, '_>, base: &Ty, left: ExprId, right: ExprId) -> Ty {
+    statement::expect_type(
+        cx,
+        right,
+        &Ty::REAL,
+        &Wanted::By(Span::NONE, "an exponent has no unit".into()),
+    );
+    let dim = dim_of(base).unwrap_or(Dim::ONE);
+    if dim.is_plain() {
+        return Ty::REAL;
+    }
+    let exponent = consts::fold_silently(cx, right).and_then(|leaves| leaves.first()?.as_real());
+    let power = exponent.and_then(Ratio::of_real).and_then(|e| dim.power(e));
+    power.map_or_else(
+        || {
+            let finding = Finding::new(
+                Code::RPI2002,
+                format!("cannot infer the dimension of a power of `{dim}`"),
+            )
+            .at(
+                cx.span_of(right),
+                "the exponent must be a constant small fraction",
+            )
+            .also(cx.span_of(left), format!("this is in `{dim}`"));
+            report::report_diagnostic(cx, finding);
+            Ty::Unknown
+        },
+        Ty::Real,
+    )
+}
+
+fn equality(
+    cx: &mut Body<'_, '_>,
+    op: BinaryOp,
+    left: ExprId,
+    right: ExprId,
+    span: Span,
+) -> ExprId {
+    let ty = common_operand_type(cx, op, left, right);
+    if matches!(ty, Ty::Device(_) | Ty::Text) {
         let finding = Finding::new(
             Code::RPI2006,
-            format!("`{text}` cannot take `{a}` and `{b}`"),
+            format!("`{}` cannot take `{ty}`", op.spelling()),
         )
-        .at(self.span_of(right), format!("this is `{b}`"))
-        .also(self.span_of(left), format!("this is `{a}`"));
-        let finding = self.operands_apart(finding, op, (left, &a), (right, &b));
-        let is_int_number = |id| self.is_number(id) && *self.ty_of(id) == Ty::Int;
-        let with_number = [left, right].into_iter().any(is_int_number);
-        self.made_real = (with_number && finding.fixes.len() == 1).then_some(self.findings.len());
-        self.fault_with(finding, span)
+        .at(cx.span_of(left), format!("this is `{ty}`"));
+        return cx.fault_with(finding, span);
     }
+    let negated = op == BinaryOp::Ne;
+    let operands = [left, right];
+    cx.add(Kind::Equal { operands, negated }, Ty::Bool, span)
+}
+
+/// Checks `a fby b`, which is `a -> pre b`.
+fn fby<'a>(cx: &mut Body<'_, 'a>, binary: &'a Binary, span: Span) -> ExprId {
+    cx.has_state(span);
+    let left = expr::check_expr(cx, &binary.lhs);
+    cx.past += 1;
+    let right = expr::check_expr(cx, &binary.rhs);
+    cx.past -= 1;
+    let ty = expr::common_type(cx, left, right, "both sides must have the same type");
+    let delayed = cx.add(Kind::Each(Each::Pre, [right].into()), ty.clone(), span);
+    cx.add(Kind::Each(Each::Arrow, [left, delayed].into()), ty, span)
+}
+
+pub(super) fn unsupported_operands(
+    cx: &mut Body<'_, '_>,
+    op: BinaryOp,
+    left: ExprId,
+    right: ExprId,
+    span: Span,
+) -> ExprId {
+    let (a, b) = (cx.ty_of(left).clone(), cx.ty_of(right).clone());
+    let text = op.spelling();
+    let finding = Finding::new(
+        Code::RPI2006,
+        format!("`{text}` cannot take `{a}` and `{b}`"),
+    )
+    .at(cx.span_of(right), format!("this is `{b}`"))
+    .also(cx.span_of(left), format!("this is `{a}`"));
+    let finding = apart::with_operand_hints(cx, finding, op, (left, &a), (right, &b));
+    let is_int_number = |id| report::is_number_literal(cx, id) && *cx.ty_of(id) == Ty::Int;
+    let with_number = [left, right].into_iter().any(is_int_number);
+    cx.made_real = (with_number && finding.fixes.len() == 1).then_some(cx.findings.len());
+    cx.fault_with(finding, span)
 }
 
 /// Whether this is a chained comparison `a < b < c`, which the parser has reported.

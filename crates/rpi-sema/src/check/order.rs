@@ -7,7 +7,10 @@
 //! numbers in the equation (`n = pre n + 1` is an integer), so that only its actual error is reported. The search keeps
 //! its own stack, so that a long chain of equations cannot overflow the call stack.
 
+use super::automaton;
 use super::body::Body;
+use super::elements;
+use super::expr;
 use super::spread;
 use crate::ty::Ty;
 use crate::typed::{BlockId, ExprId, FlowId};
@@ -88,197 +91,193 @@ pub(super) struct Mark {
     state_at: Option<Span>,
 }
 
-impl<'a> Body<'_, 'a> {
-    /// Infers the types of all flows without a declared type.
-    pub(super) fn infer(&mut self) {
-        self.inferring = true;
-        for index in 0..self.pending.len() {
-            if self.pending[index].infers() && self.pending[index].state == State::Open {
-                self.settle(index);
-            }
-        }
-        while self.guess_again() {}
-        self.inferring = false;
-        self.guess_by(Guess::Integers);
-    }
-
-    /// Guesses the types that only operations on numbers determine, from the types of these numbers.
-    pub(super) fn guess_by(&mut self, numbers: Guess) {
-        self.inferring = true;
-        self.guesses = numbers;
-        while self.guess_again() {}
-        self.guesses = Guess::Nothing;
-        self.inferring = false;
-    }
-
-    /// Returns the value of an equation; checks it now if it is not checked yet.
-    pub(super) fn value_of(&mut self, index: usize) -> ExprId {
-        match self.pending[index].state {
-            State::Done(value) => value,
-            _ => {
-                let value = self.value_at(index);
-                self.pending[index].state = State::Done(value);
-                value
-            }
+/// Infers the types of all flows without a declared type.
+pub(super) fn infer_types(cx: &mut Body<'_, '_>) {
+    cx.inferring = true;
+    for index in 0..cx.pending.len() {
+        if cx.pending[index].infers() && cx.pending[index].state == State::Open {
+            resolve_equation(cx, index);
         }
     }
+    while recheck_guessed(cx) {}
+    cx.inferring = false;
+    guess_from_numbers(cx, Guess::Integers);
+}
 
-    /// Checks the value of an equation in its block.
-    pub(super) fn value_at(&mut self, index: usize) -> ExprId {
-        let (block, value) = (self.pending[index].block, self.pending[index].value);
-        self.within(block, |body| {
-            body.with_indices(index, |body| body.expr(value))
-        })
+/// Guesses the types that only operations on numbers determine, from the types of these numbers.
+pub(super) fn guess_from_numbers(cx: &mut Body<'_, '_>, numbers: Guess) {
+    cx.inferring = true;
+    cx.guesses = numbers;
+    while recheck_guessed(cx) {}
+    cx.guesses = Guess::Nothing;
+    cx.inferring = false;
+}
+
+/// Returns the value of an equation; checks it now if it is not checked yet.
+pub(super) fn checked_value(cx: &mut Body<'_, '_>, index: usize) -> ExprId {
+    match cx.pending[index].state {
+        State::Done(value) => value,
+        _ => {
+            let value = check_value(cx, index);
+            cx.pending[index].state = State::Done(value);
+            value
+        }
     }
+}
 
-    /// Records the read of an undeclared flow if its type is not known yet.
-    pub(super) fn is_missing(&mut self, flow: FlowId, span: Span) {
-        let known = !self.unit.flow(flow).ty.has_unknown();
-        let Some(equation) = self.defined_by[flow.0 as usize].filter(|_| !known) else {
-            return;
+/// Checks the value of an equation in its block.
+pub(super) fn check_value(cx: &mut Body<'_, '_>, index: usize) -> ExprId {
+    let (block, value) = (cx.pending[index].block, cx.pending[index].value);
+    cx.within(block, |body| {
+        elements::with_index_bindings(body, index, |body| expr::check_expr(body, value))
+    })
+}
+
+/// Records the read of an undeclared flow if its type is not known yet.
+pub(super) fn record_unknown_read(cx: &mut Body<'_, '_>, flow: FlowId, span: Span) {
+    let known = !cx.unit.flow(flow).ty.has_unknown();
+    let Some(equation) = cx.defined_by[flow.0 as usize].filter(|_| !known) else {
+        return;
+    };
+    if !matches!(cx.pending[equation].state, State::Done(_)) {
+        let now = cx.past == 0;
+        cx.missing.push(Missing {
+            equation,
+            span,
+            now,
+        });
+    }
+}
+
+fn resolve_equation(cx: &mut Body<'_, '_>, index: usize) {
+    let mut stack = vec![index];
+    while let Some(&top) = stack.last() {
+        if !matches!(cx.pending[top].state, State::Open | State::Busy) || try_check(cx, top) {
+            stack.pop();
+            continue;
+        }
+        let open = |k: &usize| cx.pending[*k].state == State::Open;
+        let needs = cx.missing.iter().map(|missing| missing.equation);
+        let needs: Vec<usize> = needs.filter(open).collect();
+        if needs.is_empty() {
+            cx.pending[top].state = State::Guessed;
+            stack.pop();
+        } else {
+            cx.pending[top].state = State::Busy;
+            stack.extend(needs.into_iter().rev());
+        }
+    }
+}
+
+/// Checks the value of an equation. If it reads flows of unknown type, only a first guess of its type is kept.
+/// Returns whether the check is complete.
+fn try_check(cx: &mut Body<'_, '_>, index: usize) -> bool {
+    let mark = checkpoint(cx);
+    cx.missing.clear();
+    let value = check_value(cx, index);
+    let ty = cx.ty_of(value).clone();
+    if cx.missing.is_empty() && ty.has_unknown() {
+        wait_for_other_states(cx, index);
+    }
+    let complete = cx.missing.is_empty();
+    if complete {
+        cx.pending[index].state = State::Done(value);
+    } else {
+        rollback(cx, mark);
+    }
+    set_inferred_types(cx, index, &ty);
+    complete
+}
+
+/// Sets the types of the flows that an equation defines, as far as the type of its value is known.
+fn set_inferred_types(cx: &mut Body<'_, '_>, index: usize, ty: &Ty) {
+    let flows = cx.pending[index].introduces.clone();
+    let types: SmallVec<[Ty; 1]> = match flows.len() {
+        1 => SmallVec::from([ty.clone()]),
+        count => {
+            let pieces = spread::pieces(std::slice::from_ref(ty), &vec![None; count]);
+            pieces.into_iter().map(|piece| piece.ty).collect()
+        }
+    };
+    let types = types.into_iter().chain(std::iter::repeat(Ty::Unknown));
+    for (flow, ty) in flows.iter().zip(types) {
+        let Some(flow) = *flow else {
+            continue;
         };
-        if !matches!(self.pending[equation].state, State::Done(_)) {
-            let now = self.past == 0;
-            self.missing.push(Missing {
+        let around: Vec<FlowId> = automaton::enclosing_shared_flows(cx, flow).collect();
+        let told = around.iter().map(|outer| &cx.unit.flow(*outer).ty);
+        let mut told = std::iter::once(&ty).chain(told);
+        let told = told.find(|ty| !ty.has_unknown());
+        let ty = told.unwrap_or(&ty).clone();
+        for flow in std::iter::once(flow).chain(around) {
+            let known = &mut cx.unit.flows[flow.0 as usize].ty;
+            if known.has_unknown() {
+                *known = ty.clone();
+            }
+        }
+    }
+}
+
+/// Postpones an equation such as `v = none`, of unknown type, until another state has determined the type of `v`.
+fn wait_for_other_states(cx: &mut Body<'_, '_>, index: usize) {
+    for flow in cx.pending[index].introduces.clone().into_iter().flatten() {
+        if let Some(equation) = unchecked_in_other_state(cx, flow, index) {
+            let span = cx.pending[index].span;
+            cx.missing.push(Missing {
                 equation,
                 span,
-                now,
+                now: false,
             });
         }
     }
+}
 
-    fn settle(&mut self, index: usize) {
-        let mut stack = vec![index];
-        while let Some(&top) = stack.last() {
-            if !matches!(self.pending[top].state, State::Open | State::Busy) || self.attempt(top) {
-                stack.pop();
-                continue;
-            }
-            let open = |k: &usize| self.pending[*k].state == State::Open;
-            let needs = self.missing.iter().map(|missing| missing.equation);
-            let needs: Vec<usize> = needs.filter(open).collect();
-            if needs.is_empty() {
-                self.pending[top].state = State::Guessed;
-                stack.pop();
-            } else {
-                self.pending[top].state = State::Busy;
-                stack.extend(needs.into_iter().rev());
-            }
+/// Returns an unchecked equation that defines the flow of this equation in another state.
+fn unchecked_in_other_state(cx: &Body<'_, '_>, flow: FlowId, index: usize) -> Option<usize> {
+    let outer = automaton::enclosing_shared_flows(cx, flow);
+    let versions = outer.filter_map(|outer| cx.versions.get(&outer));
+    let mut equations = versions
+        .flatten()
+        .filter_map(|other| cx.defined_by[other.0 as usize]);
+    equations.find(|other| *other != index && cx.pending[*other].state == State::Open)
+}
+
+/// Checks all guessed equations again; returns whether a type became known.
+fn recheck_guessed(cx: &mut Body<'_, '_>) -> bool {
+    let before = unknown_flow_count(cx);
+    for index in 0..cx.pending.len() {
+        if cx.pending[index].state == State::Guessed && cx.pending[index].infers() {
+            try_check(cx, index);
         }
     }
+    unknown_flow_count(cx) < before
+}
 
-    /// Checks the value of an equation. If it reads flows of unknown type, only a first guess of its type is kept.
-    /// Returns whether the check is complete.
-    fn attempt(&mut self, index: usize) -> bool {
-        let mark = self.mark();
-        self.missing.clear();
-        let value = self.value_at(index);
-        let ty = self.ty_of(value).clone();
-        if self.missing.is_empty() && ty.has_unknown() {
-            self.ask_other_states(index);
-        }
-        let complete = self.missing.is_empty();
-        if complete {
-            self.pending[index].state = State::Done(value);
-        } else {
-            self.put_back(mark);
-        }
-        self.guess(index, &ty);
-        complete
-    }
+fn unknown_flow_count(cx: &Body<'_, '_>) -> usize {
+    let guessed = cx.pending.iter().filter(|p| p.state == State::Guessed);
+    let flows = guessed.flat_map(|p| p.introduces.iter().flatten());
+    flows.filter(|f| cx.unit.flow(**f).ty.has_unknown()).count()
+}
 
-    /// Sets the types of the flows that an equation defines, as far as the type of its value is known.
-    fn guess(&mut self, index: usize, ty: &Ty) {
-        let flows = self.pending[index].introduces.clone();
-        let types: SmallVec<[Ty; 1]> = match flows.len() {
-            1 => SmallVec::from([ty.clone()]),
-            count => {
-                let pieces = spread::pieces(std::slice::from_ref(ty), &vec![None; count]);
-                pieces.into_iter().map(|piece| piece.ty).collect()
-            }
-        };
-        let types = types.into_iter().chain(std::iter::repeat(Ty::Unknown));
-        for (flow, ty) in flows.iter().zip(types) {
-            let Some(flow) = *flow else {
-                continue;
-            };
-            let around: Vec<FlowId> = self.shared_around(flow).collect();
-            let told = around.iter().map(|outer| &self.unit.flow(*outer).ty);
-            let mut told = std::iter::once(&ty).chain(told);
-            let told = told.find(|ty| !ty.has_unknown());
-            let ty = told.unwrap_or(&ty).clone();
-            for flow in std::iter::once(flow).chain(around) {
-                let known = &mut self.unit.flows[flow.0 as usize].ty;
-                if known.has_unknown() {
-                    *known = ty.clone();
-                }
-            }
-        }
+/// Returns the current sizes of the body's tables.
+pub(super) fn checkpoint(cx: &Body<'_, '_>) -> Mark {
+    Mark {
+        exprs: cx.unit.exprs.len(),
+        findings: cx.findings.len(),
+        state_at: cx.state_at,
     }
+}
 
-    /// Postpones an equation such as `v = none`, of unknown type, until another state has determined the type of `v`.
-    fn ask_other_states(&mut self, index: usize) {
-        for flow in self.pending[index].introduces.clone().into_iter().flatten() {
-            if let Some(equation) = self.open_in_other_state(flow, index) {
-                let span = self.pending[index].span;
-                self.missing.push(Missing {
-                    equation,
-                    span,
-                    now: false,
-                });
-            }
-        }
-    }
-
-    /// Returns an unchecked equation that defines the flow of this equation in another state.
-    fn open_in_other_state(&self, flow: FlowId, index: usize) -> Option<usize> {
-        let outer = self.shared_around(flow);
-        let versions = outer.filter_map(|outer| self.versions.get(&outer));
-        let mut equations = versions
-            .flatten()
-            .filter_map(|other| self.defined_by[other.0 as usize]);
-        equations.find(|other| *other != index && self.pending[*other].state == State::Open)
-    }
-
-    /// Checks all guessed equations again; returns whether a type became known.
-    fn guess_again(&mut self) -> bool {
-        let before = self.unknown_flows();
-        for index in 0..self.pending.len() {
-            if self.pending[index].state == State::Guessed && self.pending[index].infers() {
-                self.attempt(index);
-            }
-        }
-        self.unknown_flows() < before
-    }
-
-    fn unknown_flows(&self) -> usize {
-        let guessed = self.pending.iter().filter(|p| p.state == State::Guessed);
-        let flows = guessed.flat_map(|p| p.introduces.iter().flatten());
-        flows
-            .filter(|f| self.unit.flow(**f).ty.has_unknown())
-            .count()
-    }
-
-    /// Returns the current sizes of the body's tables.
-    pub(super) fn mark(&self) -> Mark {
-        Mark {
-            exprs: self.unit.exprs.len(),
-            findings: self.findings.len(),
-            state_at: self.state_at,
-        }
-    }
-
-    /// Undoes all additions to the body's tables since `mark`.
-    pub(super) fn put_back(&mut self, mark: Mark) {
-        self.unit.exprs.truncate(mark.exprs);
-        // `chosen` is sorted by expression, so that the undone ones are at its end.
-        let is_kept = |id: &ExprId| (id.0 as usize) < mark.exprs;
-        let kept = self.unit.chosen.partition_point(is_kept);
-        self.unit.chosen.truncate(kept);
-        self.findings.truncate(mark.findings);
-        self.unknown.forget_from(mark.findings);
-        self.no_clocks.forget_from(mark.findings);
-        self.made_real = self.made_real.filter(|at| *at < mark.findings);
-        self.state_at = mark.state_at;
-    }
+/// Undoes all additions to the body's tables since `mark`.
+pub(super) fn rollback(cx: &mut Body<'_, '_>, mark: Mark) {
+    cx.unit.exprs.truncate(mark.exprs);
+    // `chosen` is sorted by expression, so that the undone ones are at its end.
+    let is_kept = |id: &ExprId| (id.0 as usize) < mark.exprs;
+    let kept = cx.unit.chosen.partition_point(is_kept);
+    cx.unit.chosen.truncate(kept);
+    cx.findings.truncate(mark.findings);
+    cx.unknown.forget_from(mark.findings);
+    cx.no_clocks.forget_from(mark.findings);
+    cx.made_real = cx.made_real.filter(|at| *at < mark.findings);
+    cx.state_at = mark.state_at;
 }

@@ -2,7 +2,13 @@
 //! (`Pose{p with position = q}`, `(p with .position.z = 0[m])`).
 
 use super::body::Body;
+use super::expr;
+use super::prim;
+use super::report;
 use super::report::{Wanted, listed, no_member};
+use super::spatial;
+use super::statement;
+use super::types;
 use crate::ty::{Geometry, Ty, join};
 use crate::typed::{ExprId, Kind};
 use crate::units::{Base, Dim};
@@ -38,159 +44,162 @@ fn names_of(scalar: Scalar) -> impl Iterator<Item = &'static str> {
     rows.map(|row| row.1)
 }
 
-impl<'a> Body<'_, 'a> {
-    /// Checks a read of a part of a spatial value.
-    pub(super) fn spatial_part(&mut self, base: ExprId, field: &Ident, span: Span) -> ExprId {
-        let Ty::Spatial(scalar, geometry) = self.ty_of(base).clone() else {
-            return self.fault(span);
-        };
-        let named = |row: &&(Scalar, &str, &str, u32)| row.0 == scalar && field.name == row.1;
-        let Some((_, _, prim, port)) = SPATIAL_PARTS.iter().find(named) else {
-            return self.fault_with(no_part(scalar, field, Use::Path), span);
-        };
-        let base = self.prim_of(prim, &[base], span);
-        let ty = part_type(scalar, &geometry, &field.name);
-        self.add(Kind::Part { base, at: *port }, ty, span)
-    }
+/// Checks a read of a part of a spatial value.
+pub(super) fn spatial_part(
+    cx: &mut Body<'_, '_>,
+    base: ExprId,
+    field: &Ident,
+    span: Span,
+) -> ExprId {
+    let Ty::Spatial(scalar, geometry) = cx.ty_of(base).clone() else {
+        return cx.fault(span);
+    };
+    let named = |row: &&(Scalar, &str, &str, u32)| row.0 == scalar && field.name == row.1;
+    let Some((_, _, prim, port)) = SPATIAL_PARTS.iter().find(named) else {
+        return cx.fault_with(no_part(scalar, field, Use::Path), span);
+    };
+    let base = prim::prim_by_position(cx, prim, &[base], span);
+    let ty = part_type(scalar, &geometry, &field.name);
+    cx.add(Kind::Part { base, at: *port }, ty, span)
+}
 
-    /// Returns the spatial type of a struct expression, unless a declaration has its name.
-    pub(super) fn spatial_named(&self, value: &StructExpr) -> Option<Scalar> {
-        let is_it = |row: &&(Scalar, &str)| row.0.name() == value.ty.name.as_str();
-        let (scalar, _) = WHOLES.iter().find(is_it)?;
-        self.is_undeclared_type(&value.ty.name).then_some(*scalar)
-    }
+/// Returns the spatial type of a struct expression, unless a declaration has its name.
+pub(super) fn spatial_struct_type(cx: &Body<'_, '_>, value: &StructExpr) -> Option<Scalar> {
+    let is_it = |row: &&(Scalar, &str)| row.0.name() == value.ty.name.as_str();
+    let (scalar, _) = WHOLES.iter().find(is_it)?;
+    types::is_undeclared_type(cx, &value.ty.name).then_some(*scalar)
+}
 
-    /// Checks `Pose{position = p; rotation = r}` or `Pose{p with rotation = r}`.
-    pub(super) fn spatial_value(
-        &mut self,
-        scalar: Scalar,
-        value: &'a StructExpr,
-        span: Span,
-    ) -> ExprId {
-        let dim = self.components(scalar, &value.statics);
-        let wanted = Ty::Spatial(
-            scalar,
-            Rc::new(Geometry {
-                dim,
-                ..Geometry::default()
-            }),
+/// Checks `Pose{position = p; rotation = r}` or `Pose{p with rotation = r}`.
+pub(super) fn spatial_value<'a>(
+    cx: &mut Body<'_, 'a>,
+    scalar: Scalar,
+    value: &'a StructExpr,
+    span: Span,
+) -> ExprId {
+    let dim = spatial::component_dim(cx, scalar, &value.statics);
+    let wanted = Ty::Spatial(
+        scalar,
+        Rc::new(Geometry {
+            dim,
+            ..Geometry::default()
+        }),
+    );
+    let base = value.base.as_ref().map(|base| expr::check_expr(cx, base));
+    let given: Vec<(&FieldValue, ExprId)> = value
+        .fields
+        .iter()
+        .map(|field| (field, expr::check_expr(cx, &field.value)))
+        .collect();
+    if base.is_some_and(|base| !statement::expect_type(cx, base, &wanted, &Wanted::Here)) {
+        return cx.fault(span);
+    }
+    let known = base.map_or(wanted, |base| cx.ty_of(base).clone());
+    let Some(parts) = given_parts(cx, scalar, &given, base, span) else {
+        return cx.add(Kind::Fault, known, span);
+    };
+    compose_spatial(cx, &known, &parts, span)
+}
+
+/// Returns the parts in their order, those that are not given from the base. Reports missing and unknown parts.
+fn given_parts(
+    cx: &mut Body<'_, '_>,
+    scalar: Scalar,
+    given: &[(&FieldValue, ExprId)],
+    base: Option<ExprId>,
+    span: Span,
+) -> Option<Vec<ExprId>> {
+    let before = cx.findings.len();
+    let mut left_out = Vec::new();
+    let mut parts = Vec::new();
+    for name in names_of(scalar) {
+        let mut named = given.iter().filter(|(field, _)| field.field.name == name);
+        let part = named.next().map(|(_, id)| *id);
+        if let (Some(first), Some((again, _))) = (part, named.next()) {
+            let first = cx.span_of(first);
+            let finding = crate::program::twice(&again.field.name, again.field.span, first);
+            report::report_diagnostic(cx, finding);
+        }
+        match (part, base) {
+            (Some(part), _) => parts.push(part),
+            (None, Some(base)) => parts.push(base_part(cx, base, name, span)),
+            (None, None) => left_out.push(name),
+        }
+    }
+    for (field, _) in given {
+        if names_of(scalar).all(|name| field.field.name != name) {
+            report::report_diagnostic(cx, no_part(scalar, &field.field, Use::Literal));
+        }
+    }
+    if !left_out.is_empty() && !report::has_error_since(cx, before) {
+        let message = format!("missing {} of `{scalar}`", listed(left_out));
+        report::report_diagnostic(
+            cx,
+            Finding::new(Code::RPI1010, message).at(span, "all parts are required"),
         );
-        let base = value.base.as_ref().map(|base| self.expr(base));
-        let given: Vec<(&FieldValue, ExprId)> = value
-            .fields
-            .iter()
-            .map(|field| (field, self.expr(&field.value)))
-            .collect();
-        if base.is_some_and(|base| !self.expect(base, &wanted, &Wanted::Here)) {
-            return self.fault(span);
-        }
-        let known = base.map_or(wanted, |base| self.ty_of(base).clone());
-        let Some(parts) = self.parts_given(scalar, &given, base, span) else {
-            return self.add(Kind::Fault, known, span);
-        };
-        self.made_of(&known, &parts, span)
     }
+    (!report::has_error_since(cx, before)).then_some(parts)
+}
 
-    /// Returns the parts in their order, those that are not given from the base. Reports missing and unknown parts.
-    fn parts_given(
-        &mut self,
-        scalar: Scalar,
-        given: &[(&FieldValue, ExprId)],
-        base: Option<ExprId>,
-        span: Span,
-    ) -> Option<Vec<ExprId>> {
-        let before = self.findings.len();
-        let mut left_out = Vec::new();
-        let mut parts = Vec::new();
-        for name in names_of(scalar) {
-            let mut named = given.iter().filter(|(field, _)| field.field.name == name);
-            let part = named.next().map(|(_, id)| *id);
-            if let (Some(first), Some((again, _))) = (part, named.next()) {
-                let first = self.span_of(first);
-                let finding = crate::program::twice(&again.field.name, again.field.span, first);
-                self.report(finding);
-            }
-            match (part, base) {
-                (Some(part), _) => parts.push(part),
-                (None, Some(base)) => parts.push(self.part_of_base(base, name, span)),
-                (None, None) => left_out.push(name),
-            }
-        }
-        for (field, _) in given {
-            if names_of(scalar).all(|name| field.field.name != name) {
-                self.report(no_part(scalar, &field.field, Use::Literal));
-            }
-        }
-        if !left_out.is_empty() && !self.has_error_since(before) {
-            let message = format!("missing {} of `{scalar}`", listed(left_out));
-            self.report(Finding::new(Code::RPI1010, message).at(span, "all parts are required"));
-        }
-        (!self.has_error_since(before)).then_some(parts)
-    }
+fn base_part(cx: &mut Body<'_, '_>, base: ExprId, name: &str, span: Span) -> ExprId {
+    let name = name.into();
+    spatial_part(cx, base, &Ident { name, span }, span)
+}
 
-    fn part_of_base(&mut self, base: ExprId, name: &str, span: Span) -> ExprId {
-        let name = name.into();
-        self.spatial_part(base, &Ident { name, span }, span)
+/// Composes a spatial value of partly known type from all its parts. Units and frames of the parts must be
+/// compatible; they complete the type of the whole.
+fn compose_spatial(cx: &mut Body<'_, '_>, known: &Ty, parts: &[ExprId], span: Span) -> ExprId {
+    let Ty::Spatial(scalar, geometry) = known else {
+        return cx.fault(span);
+    };
+    let mut geometry = (**geometry).clone();
+    let mut wanted = Wanted::Here;
+    for (part, name) in parts.iter().zip(names_of(*scalar)) {
+        // The first component decides the unit of the others.
+        if let (Ty::Real(dim), None) = (cx.ty_of(*part), geometry.dim) {
+            geometry.dim = Some(*dim);
+        }
+        let expected = part_type(*scalar, &Rc::new(geometry.clone()), name);
+        if !statement::expect_type(cx, *part, &expected, &wanted) {
+            return cx.add(Kind::Fault, known.clone(), span);
+        }
+        wanted = Wanted::By(cx.span_of(*part), format!("this is `{}`", cx.ty_of(*part)));
+        if let Ok(Ty::Spatial(_, of)) = join(&expected, cx.ty_of(*part)) {
+            geometry.of = geometry.of.or_else(|| of.of.clone());
+            geometry.in_frame = geometry.in_frame.or_else(|| of.in_frame.clone());
+        }
     }
+    let whole = WHOLES.iter().find(|row| row.0 == *scalar);
+    let whole = whole.and_then(|row| rpi_prims::PrimId::of(row.1));
+    match whole {
+        Some(prim) => {
+            let ty = Ty::Spatial(*scalar, Rc::new(geometry));
+            prim::add_prim(cx, prim, parts, ty, span)
+        }
+        None => cx.fault(span),
+    }
+}
 
-    /// Composes a spatial value of partly known type from all its parts. Units and frames of the parts must be
-    /// compatible; they complete the type of the whole.
-    fn made_of(&mut self, known: &Ty, parts: &[ExprId], span: Span) -> ExprId {
-        let Ty::Spatial(scalar, geometry) = known else {
-            return self.fault(span);
-        };
-        let mut geometry = (**geometry).clone();
-        let mut wanted = Wanted::Here;
-        for (part, name) in parts.iter().zip(names_of(*scalar)) {
-            // The first component decides the unit of the others.
-            if let (Ty::Real(dim), None) = (self.ty_of(*part), geometry.dim) {
-                geometry.dim = Some(*dim);
-            }
-            let expected = part_type(*scalar, &Rc::new(geometry.clone()), name);
-            if !self.expect(*part, &expected, &wanted) {
-                return self.add(Kind::Fault, known.clone(), span);
-            }
-            wanted = Wanted::By(
-                self.span_of(*part),
-                format!("this is `{}`", self.ty_of(*part)),
-            );
-            if let Ok(Ty::Spatial(_, of)) = join(&expected, self.ty_of(*part)) {
-                geometry.of = geometry.of.or_else(|| of.of.clone());
-                geometry.in_frame = geometry.in_frame.or_else(|| of.in_frame.clone());
-            }
-        }
-        let whole = WHOLES.iter().find(|row| row.0 == *scalar);
-        let whole = whole.and_then(|row| rpi_prims::PrimId::of(row.1));
-        match whole {
-            Some(prim) => {
-                let ty = Ty::Spatial(*scalar, Rc::new(geometry));
-                self.prim_typed(prim, parts, ty, span)
-            }
-            None => self.fault(span),
-        }
+/// Replaces the part `field` of a spatial value, which must have this part.
+pub(super) fn replace_part(
+    cx: &mut Body<'_, '_>,
+    base: ExprId,
+    field: &Ident,
+    new: ExprId,
+    span: Span,
+) -> ExprId {
+    let known = cx.ty_of(base).clone();
+    let Ty::Spatial(scalar, _) = known else {
+        return cx.fault(span);
+    };
+    let mut parts = Vec::new();
+    for name in names_of(scalar) {
+        parts.push(match field.name == name {
+            true => new,
+            false => base_part(cx, base, name, span),
+        });
     }
-
-    /// Replaces the part `field` of a spatial value, which must have this part.
-    pub(super) fn with_part(
-        &mut self,
-        base: ExprId,
-        field: &Ident,
-        new: ExprId,
-        span: Span,
-    ) -> ExprId {
-        let known = self.ty_of(base).clone();
-        let Ty::Spatial(scalar, _) = known else {
-            return self.fault(span);
-        };
-        let mut parts = Vec::new();
-        for name in names_of(scalar) {
-            parts.push(match field.name == name {
-                true => new,
-                false => self.part_of_base(base, name, span),
-            });
-        }
-        self.made_of(&known, &parts, span)
-    }
+    compose_spatial(cx, &known, &parts, span)
 }
 
 /// Syntax in which a part is named.

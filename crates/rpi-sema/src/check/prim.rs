@@ -1,8 +1,14 @@
 //! Calls of registered primitives: arguments are matched to ports and parameters by position or name.
 
+use super::args;
 use super::args::Given;
 use super::body::Body;
+use super::consts;
+use super::expr;
+use super::names;
+use super::report;
 use super::report::{Wanted, listed};
+use super::time;
 use crate::ty::{Member, Ty};
 use crate::typed::{ExprId, Kind, Leaf, PrimCall};
 use rpi_diag::counted;
@@ -30,397 +36,420 @@ enum Slot {
     Piece(usize, usize),
 }
 
-impl<'a> Body<'_, 'a> {
-    /// Checks a call of a primitive by its registered name.
-    pub(super) fn registered(&mut self, prim: PrimId, call: &'a ast::Call, span: Span) -> ExprId {
-        let mut given = self.given(&call.args);
-        for arg in &call.callee.statics {
-            let ast::StaticValue::Expr(expr) = &arg.value else {
-                let finding = Finding::new(Code::RPI1010, "a value is expected here")
-                    .at(arg.span, "not a value");
-                self.report(finding);
-                continue;
-            };
-            let value = self.expr(expr);
-            given.push(Given {
-                name: arg.name.as_ref(),
-                value,
-                is_static: true,
-            });
-        }
-        self.registered_plain(prim, &given, span)
-    }
-
-    /// Checks a call of a primitive with checked arguments.
-    pub(super) fn registered_plain(
-        &mut self,
-        prim: PrimId,
-        given: &[Given<'a>],
-        span: Span,
-    ) -> ExprId {
-        let desc = prim.desc();
-        let given = self.spread_tuples(given.to_vec());
-        let Some(slots) = self.slots(desc, &given, span) else {
-            return self.fault(span);
+/// Checks a call of a primitive by its registered name.
+pub(super) fn check_prim_call<'a>(
+    cx: &mut Body<'_, 'a>,
+    prim: PrimId,
+    call: &'a ast::Call,
+    span: Span,
+) -> ExprId {
+    let mut given = args::check_args(cx, &call.args);
+    for arg in &call.callee.statics {
+        let ast::StaticValue::Expr(expr) = &arg.value else {
+            let finding =
+                Finding::new(Code::RPI1010, "a value is expected here").at(arg.span, "not a value");
+            report::report_diagnostic(cx, finding);
+            continue;
         };
-        self.finish_prim(prim, slots, span)
-    }
-
-    /// Checks a call of a primitive whose in-ports are given by position.
-    pub(super) fn prim_of(&mut self, name: &str, inputs: &[ExprId], span: Span) -> ExprId {
-        let Some(prim) = PrimId::of(name) else {
-            return self.fault(span);
-        };
-        let given: Vec<Given<'a>> = inputs.iter().map(|id| Given::plain(*id)).collect();
-        self.registered_plain(prim, &given, span)
-    }
-
-    /// Adds a primitive call whose operands are known to fit, with a known result type.
-    pub(super) fn prim_typed(
-        &mut self,
-        prim: PrimId,
-        inputs: &[ExprId],
-        ty: Ty,
-        span: Span,
-    ) -> ExprId {
-        let mut all = vec![None; prim.desc().inputs.len()];
-        for (slot, input) in all.iter_mut().zip(inputs) {
-            *slot = Some(*input);
-        }
-        let call = PrimCall {
-            prim,
-            inputs: all.into(),
-            params: vec![None; prim.desc().params.len()].into(),
-        };
-        self.add(Kind::Prim(Box::new(call)), ty, span)
-    }
-
-    /// Adds a call of a primitive without in-ports.
-    pub(super) fn nullary(&mut self, prim: PrimId, ty: Ty, span: Span) -> ExprId {
-        self.prim_typed(prim, &[], ty, span)
-    }
-
-    fn slots(&mut self, desc: &'static PrimDesc, given: &[Given<'a>], span: Span) -> Option<Slots> {
-        let mut slots = Slots {
-            inputs: vec![None; desc.inputs.len()],
-            params: vec![None; desc.params.len()],
-            pieces: Vec::new(),
-        };
-        let mut place = 0;
-        let mut sound = true;
-        for arg in given {
-            let slot = match arg.name {
-                Some(name) => slot(desc, &name.name),
-                None => {
-                    place += 1;
-                    (place <= desc.inputs.len()).then_some(Slot::Input(place - 1))
-                }
-            };
-            match slot {
-                Some(slot) => sound &= self.fill(desc, &mut slots, &slot, arg),
-                None => {
-                    self.no_slot(desc, arg);
-                    sound = false;
-                }
-            }
-        }
-        // `&`, not `&&`: missing arguments are reported after other errors, too.
-        (sound & self.needed(desc, &slots, span)).then_some(slots)
-    }
-
-    fn fill(
-        &mut self,
-        desc: &'static PrimDesc,
-        slots: &mut Slots,
-        slot: &Slot,
-        arg: &Given<'a>,
-    ) -> bool {
-        if arg.is_static && !self.is_fixed(arg.value) {
-            let finding = Finding::new(
-                Code::RPI2008,
-                "a parameter must be known when the command is loaded",
-            )
-            .at(
-                self.span_of(arg.value),
-                "this changes while the command runs",
-            );
-            self.report(finding);
-            return false;
-        }
-        match *slot {
-            Slot::Input(k) => {
-                slots.inputs[k] = Some(arg.value);
-                self.fits_port(arg.value, desc.inputs[k].ty, desc.inputs[k].name)
-            }
-            Slot::Param(k) => {
-                slots.params[k] = Some(arg.value);
-                self.fits_param(arg.value, desc.params[k].ty, desc.params[k].name)
-            }
-            Slot::Piece(port, k) => {
-                slots.pieces.push((port, k, arg.value));
-                self.fits_port(arg.value, PortType::One(Scalar::Real), "a part of a value")
-            }
-        }
-    }
-
-    /// Whether a value has the machine type of a port; reports a mismatch. Units and frames are not compared.
-    fn fits_port(&mut self, value: ExprId, port: PortType, name: &str) -> bool {
-        // Ports take times in seconds.
-        self.in_seconds(value);
-        let ty = self.ty_of(value).clone();
-        let fits = ty.is_unknown() || port_accepts(port, &ty);
-        if !fits {
-            let expected = port_ty(port);
-            let wanted = Wanted::By(Span::NONE, format!("`{name}` takes {}", port_text(port)));
-            self.misfit(value, &expected, &crate::ty::Misfit::Kind, &wanted);
-        }
-        fits
-    }
-
-    fn fits_param(&mut self, value: ExprId, param: ParamType, name: &str) -> bool {
-        let port = match param {
-            ParamType::One(scalar) => PortType::One(scalar),
-            ParamType::Array(scalar) => PortType::Array(scalar),
-            ParamType::Str => {
-                let ty = self.ty_of(value).clone();
-                let fits = matches!(ty, Ty::Text | Ty::Device(_) | Ty::Unknown);
-                if !fits {
-                    let wanted = Wanted::By(Span::NONE, format!("`{name}` takes a text"));
-                    self.misfit(value, &Ty::Text, &crate::ty::Misfit::Kind, &wanted);
-                }
-                return fits;
-            }
-        };
-        self.fits_port(value, port, name)
-    }
-
-    fn no_slot(&mut self, desc: &'static PrimDesc, arg: &Given<'a>) {
-        let finding = match arg.name {
-            Some(name) => no_name(desc, name),
-            None => Finding::new(
-                Code::RPI1010,
-                format!(
-                    "too many arguments: `{}` has {}",
-                    desc.name,
-                    counted(desc.inputs.len(), "in-port")
-                ),
-            )
-            .at(self.span_of(arg.value), "unexpected argument"),
-        };
-        self.report(finding);
-    }
-
-    fn needed(&mut self, desc: &'static PrimDesc, slots: &Slots, span: Span) -> bool {
-        let open = desc.inputs.iter().zip(&slots.inputs);
-        let open =
-            open.filter(|(port, given)| given.is_none() && matches!(port.need, Need::Required));
-        let open: Vec<&str> = open.map(|(port, _)| port.name).collect();
-        let params = desc.params.iter().zip(&slots.params);
-        let params = params.filter(|(p, given)| {
-            given.is_none() && matches!(p.default, rpi_image::PortDefault::Required)
+        let value = expr::check_expr(cx, expr);
+        given.push(Given {
+            name: arg.name.as_ref(),
+            value,
+            is_static: true,
         });
-        let open: Vec<&str> = open
-            .into_iter()
-            .chain(params.map(|(p, _)| p.name))
-            .collect();
-        if open.is_empty() {
-            return true;
-        }
-        let finding = Finding::new(
-            Code::RPI1010,
-            format!("missing {} of `{}`", listed(open), desc.name),
-        )
-        .at(span, "required argument missing");
-        self.report(finding);
-        false
     }
+    prim_call_with(cx, prim, &given, span)
+}
 
-    fn finish_prim(&mut self, prim: PrimId, mut slots: Slots, span: Span) -> ExprId {
-        let desc = prim.desc();
-        if !matches!(desc.state, State::None)
-            || !matches!(desc.role, Role::Compute | Role::Constant)
-        {
-            self.has_state(span);
-        }
-        if self.put_together(desc, &mut slots, span).is_none() {
-            return self.fault(span);
-        }
-        let ty = self.prim_type(desc, &slots, span);
-        let call = PrimCall {
-            prim,
-            inputs: slots.inputs.into(),
-            params: slots.params.into(),
-        };
-        self.add(Kind::Prim(Box::new(call)), ty, span)
+/// Checks a call of a primitive with checked arguments.
+pub(super) fn prim_call_with<'a>(
+    cx: &mut Body<'_, 'a>,
+    prim: PrimId,
+    given: &[Given<'a>],
+    span: Span,
+) -> ExprId {
+    let desc = prim.desc();
+    let given = args::flatten_tuple_args(cx, given.to_vec());
+    let Some(slots) = match_prim_args(cx, desc, &given, span) else {
+        return cx.fault(span);
+    };
+    finish_prim(cx, prim, slots, span)
+}
+
+/// Checks a call of a primitive whose in-ports are given by position.
+pub(super) fn prim_by_position<'a>(
+    cx: &mut Body<'_, 'a>,
+    name: &str,
+    inputs: &[ExprId],
+    span: Span,
+) -> ExprId {
+    let Some(prim) = PrimId::of(name) else {
+        return cx.fault(span);
+    };
+    let given: Vec<Given<'a>> = inputs.iter().map(|id| Given::plain(*id)).collect();
+    prim_call_with(cx, prim, &given, span)
+}
+
+/// Adds a primitive call whose operands are known to fit, with a known result type.
+pub(super) fn add_prim(
+    cx: &mut Body<'_, '_>,
+    prim: PrimId,
+    inputs: &[ExprId],
+    ty: Ty,
+    span: Span,
+) -> ExprId {
+    let mut all = vec![None; prim.desc().inputs.len()];
+    for (slot, input) in all.iter_mut().zip(inputs) {
+        *slot = Some(*input);
     }
+    let call = PrimCall {
+        prim,
+        inputs: all.into(),
+        params: vec![None; prim.desc().params.len()].into(),
+    };
+    cx.add(Kind::Prim(Box::new(call)), ty, span)
+}
 
-    /// Composes the reals that replace an in-port into one constant.
-    fn put_together(
-        &mut self,
-        desc: &'static PrimDesc,
-        slots: &mut Slots,
-        span: Span,
-    ) -> Option<()> {
-        for (k, port) in desc.inputs.iter().enumerate() {
-            let Need::Params(names, make) = port.need else {
-                continue;
-            };
-            let mut reals: Vec<f64> = names.iter().map(|(_, default)| *default).collect();
-            let pieces: Vec<(usize, ExprId)> = slots
-                .pieces
-                .iter()
-                .filter(|p| p.0 == k)
-                .map(|p| (p.1, p.2))
-                .collect();
-            if pieces.is_empty() {
-                continue;
-            }
-            for (place, value) in pieces {
-                reals[place] = self.fold(value)?.first()?.as_real()?;
-            }
-            let ty = port_ty(port.ty);
-            slots.inputs[k] = Some(self.add(Kind::Literal(make(&reals)), ty, span));
-        }
-        Some(())
-    }
+/// Adds a call of a primitive without in-ports.
+pub(super) fn add_nullary_prim(cx: &mut Body<'_, '_>, prim: PrimId, ty: Ty, span: Span) -> ExprId {
+    add_prim(cx, prim, &[], ty, span)
+}
 
-    /// Returns the type of a primitive's only out-port, or a tuple of all out-ports by name.
-    fn prim_type(&mut self, desc: &'static PrimDesc, slots: &Slots, span: Span) -> Ty {
-        let mut members = Vec::with_capacity(desc.outputs.len());
-        for (k, port) in desc.outputs.iter().enumerate() {
-            let ty = match port.ty {
-                PortType::One(scalar) => scalar_ty(scalar),
-                _ => self.sized(desc, slots, k, span),
-            };
-            members.push(Member {
-                name: Some(port.name.into()),
-                ty,
-            });
-        }
-        match &members[..] {
-            [one] => one.ty.clone(),
-            _ => Ty::Tuple(members.into()),
-        }
-    }
-
-    fn sized(&mut self, desc: &'static PrimDesc, slots: &Slots, port: usize, span: Span) -> Ty {
-        let inputs: Vec<Option<Type>> = slots
-            .inputs
-            .iter()
-            .map(|id| machine_type(self.ty_of((*id)?)))
-            .collect();
-        let mut params = Vec::new();
-        for (given, param) in slots.params.iter().zip(desc.params) {
-            let value = match given {
-                Some(id) => self.param_value(*id, param.ty),
-                None => param_default(param),
-            };
-            match value {
-                Some(value) => params.push(value),
-                None => return Ty::Unknown,
-            }
-        }
-        let args = ShapeArgs {
-            inputs: &inputs,
-            params: &params,
-        };
-        match desc.out_type(port, &args) {
-            Some(ty) => flow_type(ty),
+fn match_prim_args<'a>(
+    cx: &mut Body<'_, 'a>,
+    desc: &'static PrimDesc,
+    given: &[Given<'a>],
+    span: Span,
+) -> Option<Slots> {
+    let mut slots = Slots {
+        inputs: vec![None; desc.inputs.len()],
+        params: vec![None; desc.params.len()],
+        pieces: Vec::new(),
+    };
+    let mut place = 0;
+    let mut sound = true;
+    for arg in given {
+        let slot = match arg.name {
+            Some(name) => slot(desc, &name.name),
             None => {
-                let finding = Finding::new(
-                    Code::RPI2009,
-                    format!("size mismatch in the arguments of `{}`", desc.name),
-                )
-                .at(span, "cannot infer the size of its result");
-                self.report(finding);
-                Ty::Unknown
+                place += 1;
+                (place <= desc.inputs.len()).then_some(Slot::Input(place - 1))
+            }
+        };
+        match slot {
+            Some(slot) => sound &= set_prim_arg(cx, desc, &mut slots, &slot, arg),
+            None => {
+                unexpected_prim_arg(cx, desc, arg);
+                sound = false;
             }
         }
     }
+    // `&`, not `&&`: missing arguments are reported after other errors, too.
+    (sound & check_required_args(cx, desc, &slots, span)).then_some(slots)
+}
 
-    fn param_value(&mut self, id: ExprId, ty: ParamType) -> Option<Value> {
-        if matches!(ty, ParamType::Str) {
-            return Some(Value::Str(String::new()));
-        }
-        let leaves = self.fold(id)?;
-        match ty {
-            ParamType::Array(scalar) => Some(packed(scalar, &leaves)),
-            _ => leaves.first().cloned(),
-        }
+fn set_prim_arg<'a>(
+    cx: &mut Body<'_, 'a>,
+    desc: &'static PrimDesc,
+    slots: &mut Slots,
+    slot: &Slot,
+    arg: &Given<'a>,
+) -> bool {
+    if arg.is_static && !args::is_load_time_constant(cx, arg.value) {
+        let finding = Finding::new(
+            Code::RPI2008,
+            "a parameter must be known when the command is loaded",
+        )
+        .at(cx.span_of(arg.value), "this changes while the command runs");
+        report::report_diagnostic(cx, finding);
+        return false;
     }
-
-    /// Checks the body of a declared primitive: the registered primitive between typed ports.
-    pub(super) fn check_primitive(&mut self, decl: &'a PrimitiveDecl) {
-        if let Some(budget) = &decl.budget {
-            self.current().budget_ns = self.nanoseconds(budget);
+    match *slot {
+        Slot::Input(k) => {
+            slots.inputs[k] = Some(arg.value);
+            fits_port(cx, arg.value, desc.inputs[k].ty, desc.inputs[k].name)
         }
-        let name = &decl.signature.name;
-        let Some(prim) = PrimId::of(&name.name) else {
-            let finding = Finding::new(
-                Code::RPI1001,
-                format!("undefined primitive `{}`", name.name),
+        Slot::Param(k) => {
+            slots.params[k] = Some(arg.value);
+            fits_param(cx, arg.value, desc.params[k].ty, desc.params[k].name)
+        }
+        Slot::Piece(port, k) => {
+            slots.pieces.push((port, k, arg.value));
+            fits_port(
+                cx,
+                arg.value,
+                PortType::One(Scalar::Real),
+                "a part of a value",
             )
-            .at(name.span, "not in the registry of primitives");
-            self.report(finding);
-            return;
-        };
-        let mut given = Vec::new();
-        for flow in self.unit.inputs.clone() {
-            let (name, span) = (self.unit.flow(flow).name.clone(), self.unit.flow(flow).span);
-            let value = self.flow_expr(flow, span);
-            given.push((name, value));
         }
-        let desc = prim.desc();
-        let mut slots = Slots {
-            inputs: vec![None; desc.inputs.len()],
-            params: vec![None; desc.params.len()],
-            pieces: Vec::new(),
+    }
+}
+
+/// Whether a value has the machine type of a port; reports a mismatch. Units and frames are not compared.
+fn fits_port(cx: &mut Body<'_, '_>, value: ExprId, port: PortType, name: &str) -> bool {
+    // Ports take times in seconds.
+    time::convert_to_seconds(cx, value);
+    let ty = cx.ty_of(value).clone();
+    let fits = ty.is_unknown() || port_accepts(port, &ty);
+    if !fits {
+        let expected = port_ty(port);
+        let wanted = Wanted::By(Span::NONE, format!("`{name}` takes {}", port_text(port)));
+        report::type_mismatch(cx, value, &expected, &crate::ty::Misfit::Kind, &wanted);
+    }
+    fits
+}
+
+fn fits_param(cx: &mut Body<'_, '_>, value: ExprId, param: ParamType, name: &str) -> bool {
+    let port = match param {
+        ParamType::One(scalar) => PortType::One(scalar),
+        ParamType::Array(scalar) => PortType::Array(scalar),
+        ParamType::Str => {
+            let ty = cx.ty_of(value).clone();
+            let fits = matches!(ty, Ty::Text | Ty::Device(_) | Ty::Unknown);
+            if !fits {
+                let wanted = Wanted::By(Span::NONE, format!("`{name}` takes a text"));
+                report::type_mismatch(cx, value, &Ty::Text, &crate::ty::Misfit::Kind, &wanted);
+            }
+            return fits;
+        }
+    };
+    fits_port(cx, value, port, name)
+}
+
+fn unexpected_prim_arg<'a>(cx: &mut Body<'_, 'a>, desc: &'static PrimDesc, arg: &Given<'a>) {
+    let finding = match arg.name {
+        Some(name) => no_name(desc, name),
+        None => Finding::new(
+            Code::RPI1010,
+            format!(
+                "too many arguments: `{}` has {}",
+                desc.name,
+                counted(desc.inputs.len(), "in-port")
+            ),
+        )
+        .at(cx.span_of(arg.value), "unexpected argument"),
+    };
+    report::report_diagnostic(cx, finding);
+}
+
+fn check_required_args(
+    cx: &mut Body<'_, '_>,
+    desc: &'static PrimDesc,
+    slots: &Slots,
+    span: Span,
+) -> bool {
+    let open = desc.inputs.iter().zip(&slots.inputs);
+    let open = open.filter(|(port, given)| given.is_none() && matches!(port.need, Need::Required));
+    let open: Vec<&str> = open.map(|(port, _)| port.name).collect();
+    let params = desc.params.iter().zip(&slots.params);
+    let params = params.filter(|(p, given)| {
+        given.is_none() && matches!(p.default, rpi_image::PortDefault::Required)
+    });
+    let open: Vec<&str> = open
+        .into_iter()
+        .chain(params.map(|(p, _)| p.name))
+        .collect();
+    if open.is_empty() {
+        return true;
+    }
+    let finding = Finding::new(
+        Code::RPI1010,
+        format!("missing {} of `{}`", listed(open), desc.name),
+    )
+    .at(span, "required argument missing");
+    report::report_diagnostic(cx, finding);
+    false
+}
+
+fn finish_prim(cx: &mut Body<'_, '_>, prim: PrimId, mut slots: Slots, span: Span) -> ExprId {
+    let desc = prim.desc();
+    if !matches!(desc.state, State::None) || !matches!(desc.role, Role::Compute | Role::Constant) {
+        cx.has_state(span);
+    }
+    if compose_inputs(cx, desc, &mut slots, span).is_none() {
+        return cx.fault(span);
+    }
+    let ty = prim_type(cx, desc, &slots, span);
+    let call = PrimCall {
+        prim,
+        inputs: slots.inputs.into(),
+        params: slots.params.into(),
+    };
+    cx.add(Kind::Prim(Box::new(call)), ty, span)
+}
+
+/// Composes the reals that replace an in-port into one constant.
+fn compose_inputs(
+    cx: &mut Body<'_, '_>,
+    desc: &'static PrimDesc,
+    slots: &mut Slots,
+    span: Span,
+) -> Option<()> {
+    for (k, port) in desc.inputs.iter().enumerate() {
+        let Need::Params(names, make) = port.need else {
+            continue;
         };
-        for (port, value) in given {
-            let arg = Given::plain(value);
-            match slot(desc, &port) {
-                Some(slot) => {
-                    self.fill(desc, &mut slots, &slot, &arg);
-                }
-                None => {
-                    let span = self.span_of(value);
-                    let ident = Ident { name: port, span };
-                    self.report(no_name(desc, &ident));
-                }
+        let mut reals: Vec<f64> = names.iter().map(|(_, default)| *default).collect();
+        let pieces: Vec<(usize, ExprId)> = slots
+            .pieces
+            .iter()
+            .filter(|p| p.0 == k)
+            .map(|p| (p.1, p.2))
+            .collect();
+        if pieces.is_empty() {
+            continue;
+        }
+        for (place, value) in pieces {
+            reals[place] = consts::fold(cx, value)?.first()?.as_real()?;
+        }
+        let ty = port_ty(port.ty);
+        slots.inputs[k] = Some(cx.add(Kind::Literal(make(&reals)), ty, span));
+    }
+    Some(())
+}
+
+/// Returns the type of a primitive's only out-port, or a tuple of all out-ports by name.
+fn prim_type(cx: &mut Body<'_, '_>, desc: &'static PrimDesc, slots: &Slots, span: Span) -> Ty {
+    let mut members = Vec::with_capacity(desc.outputs.len());
+    for (k, port) in desc.outputs.iter().enumerate() {
+        let ty = match port.ty {
+            PortType::One(scalar) => scalar_ty(scalar),
+            _ => sized_output_type(cx, desc, slots, k, span),
+        };
+        members.push(Member {
+            name: Some(port.name.into()),
+            ty,
+        });
+    }
+    match &members[..] {
+        [one] => one.ty.clone(),
+        _ => Ty::Tuple(members.into()),
+    }
+}
+
+fn sized_output_type(
+    cx: &mut Body<'_, '_>,
+    desc: &'static PrimDesc,
+    slots: &Slots,
+    port: usize,
+    span: Span,
+) -> Ty {
+    let inputs: Vec<Option<Type>> = slots
+        .inputs
+        .iter()
+        .map(|id| machine_type(cx.ty_of((*id)?)))
+        .collect();
+    let mut params = Vec::new();
+    for (given, param) in slots.params.iter().zip(desc.params) {
+        let value = match given {
+            Some(id) => param_value(cx, *id, param.ty),
+            None => param_default(param),
+        };
+        match value {
+            Some(value) => params.push(value),
+            None => return Ty::Unknown,
+        }
+    }
+    let args = ShapeArgs {
+        inputs: &inputs,
+        params: &params,
+    };
+    match desc.out_type(port, &args) {
+        Some(ty) => flow_type(ty),
+        None => {
+            let finding = Finding::new(
+                Code::RPI2009,
+                format!("size mismatch in the arguments of `{}`", desc.name),
+            )
+            .at(span, "cannot infer the size of its result");
+            report::report_diagnostic(cx, finding);
+            Ty::Unknown
+        }
+    }
+}
+
+fn param_value(cx: &mut Body<'_, '_>, id: ExprId, ty: ParamType) -> Option<Value> {
+    if matches!(ty, ParamType::Str) {
+        return Some(Value::Str(String::new()));
+    }
+    let leaves = consts::fold(cx, id)?;
+    match ty {
+        ParamType::Array(scalar) => Some(packed(scalar, &leaves)),
+        _ => leaves.first().cloned(),
+    }
+}
+
+/// Checks the body of a declared primitive: the registered primitive between typed ports.
+pub(super) fn check_primitive<'a>(cx: &mut Body<'_, 'a>, decl: &'a PrimitiveDecl) {
+    if let Some(budget) = &decl.budget {
+        cx.current().budget_ns = consts::const_nanoseconds(cx, budget);
+    }
+    let name = &decl.signature.name;
+    let Some(prim) = PrimId::of(&name.name) else {
+        let finding = Finding::new(
+            Code::RPI1001,
+            format!("undefined primitive `{}`", name.name),
+        )
+        .at(name.span, "not in the registry of primitives");
+        report::report_diagnostic(cx, finding);
+        return;
+    };
+    let mut given = Vec::new();
+    for flow in cx.unit.inputs.clone() {
+        let (name, span) = (cx.unit.flow(flow).name.clone(), cx.unit.flow(flow).span);
+        let value = names::flow_expr(cx, flow, span);
+        given.push((name, value));
+    }
+    let desc = prim.desc();
+    let mut slots = Slots {
+        inputs: vec![None; desc.inputs.len()],
+        params: vec![None; desc.params.len()],
+        pieces: Vec::new(),
+    };
+    for (port, value) in given {
+        let arg = Given::plain(value);
+        match slot(desc, &port) {
+            Some(slot) => {
+                set_prim_arg(cx, desc, &mut slots, &slot, &arg);
+            }
+            None => {
+                let span = cx.span_of(value);
+                let ident = Ident { name: port, span };
+                report::report_diagnostic(cx, no_name(desc, &ident));
             }
         }
-        let value = self.finish_prim(prim, slots, name.span);
-        self.define_outputs(value, desc);
     }
+    let value = finish_prim(cx, prim, slots, name.span);
+    define_outputs(cx, value, desc);
+}
 
-    fn define_outputs(&mut self, value: ExprId, desc: &'static PrimDesc) {
-        let span = self.span_of(value);
-        let parts = match desc.outputs.len() {
-            1 => vec![value],
-            _ => self.parts_of(value),
+fn define_outputs(cx: &mut Body<'_, '_>, value: ExprId, desc: &'static PrimDesc) {
+    let span = cx.span_of(value);
+    let parts = match desc.outputs.len() {
+        1 => vec![value],
+        _ => args::tuple_elements(cx, value),
+    };
+    for flow in cx.unit.outputs.clone() {
+        let declared = cx.unit.flow(flow);
+        let (ty, place) = (declared.ty.clone(), desc.output(&declared.name));
+        let Some(part) = place.and_then(|k| parts.get(k).copied()) else {
+            let ident = Ident {
+                name: declared.name.clone(),
+                span: declared.span,
+            };
+            report::report_diagnostic(cx, no_name(desc, &ident));
+            continue;
         };
-        for flow in self.unit.outputs.clone() {
-            let declared = self.unit.flow(flow);
-            let (ty, place) = (declared.ty.clone(), desc.output(&declared.name));
-            let Some(part) = place.and_then(|k| parts.get(k).copied()) else {
-                let ident = Ident {
-                    name: declared.name.clone(),
-                    span: declared.span,
-                };
-                self.report(no_name(desc, &ident));
-                continue;
-            };
-            let target = crate::typed::Target {
-                place: crate::typed::Place::Flow { flow, at: 0 },
-                ty,
-                span,
-            };
-            self.current().equations.push(crate::typed::Equation {
-                targets: vec![target],
-                value: part,
-                span,
-            });
-        }
+        let target = crate::typed::Target {
+            place: crate::typed::Place::Flow { flow, at: 0 },
+            ty,
+            span,
+        };
+        cx.current().equations.push(crate::typed::Equation {
+            targets: vec![target],
+            value: part,
+            span,
+        });
     }
 }
 

@@ -1,8 +1,14 @@
 //! Constructs of Kind 2 that are for provers only (quantifiers, conditions of types, sets), and type ascriptions.
 
 use super::body::Body;
+use super::bound;
 use super::bound::Means;
+use super::expr;
+use super::report;
 use super::report::Wanted;
+use super::statement;
+use super::statics;
+use super::types;
 use super::types::is_foreign;
 use crate::program::{DeclKind, Lookup, Space};
 use crate::ty::{StructTy, Ty};
@@ -13,171 +19,184 @@ use rpi_syntax::ast::{
 };
 use std::rc::Rc;
 
-impl<'a> Body<'_, 'a> {
-    /// Checks a quantifier `forall (x: int) c`. Its value is never computed.
-    pub(super) fn quantified(&mut self, of: &'a Quantified, span: Span) -> ExprId {
-        let before = self.bound.len();
-        for var in &of.vars {
-            let fixed = self.fixed_before.replace(self.bound.len());
-            let ty = self.ty(&var.ty);
-            self.fixed_before = fixed;
-            self.countable(&ty, &var.ty);
-            for name in &var.names {
-                self.bind_name(name, Means::Any(ty.clone()));
-            }
-        }
-        let condition = self.expr(&of.condition);
-        self.expect(condition, &Ty::Bool, &Wanted::Here);
-        self.bound.truncate(before);
-        match &mut self.claim {
-            Some(claim) => claim.0 = claim.0.or(Some(span)),
-            None => self.foreign(
-                "a quantifier",
-                "it ranges over more values than can be tested",
-                span,
-            ),
-        }
-        self.add(Kind::Outside, Ty::Bool, span)
-    }
-
-    /// Reports a quantifier over arrays, sets or maps.
-    fn countable(&mut self, ty: &Ty, written: &ast::Type) {
-        let has_elements = matches!(ty, Ty::Array(..)) || is_foreign(ty, &["set<", "map<"]);
-        if has_elements {
-            let message = format!("cannot quantify over `{ty}`");
-            let finding = Finding::new(Code::RPI2014, message)
-                .at(written.span, "not a quantifiable type")
-                .help("quantify over an index: `forall (i: int) a[i] > 0`");
-            self.report(finding);
+/// Checks a quantifier `forall (x: int) c`. Its value is never computed.
+pub(super) fn check_quantifier<'a>(
+    cx: &mut Body<'_, 'a>,
+    of: &'a Quantified,
+    span: Span,
+) -> ExprId {
+    let before = cx.bound.len();
+    for var in &of.vars {
+        let fixed = cx.fixed_before.replace(cx.bound.len());
+        let ty = types::resolve_type(cx, &var.ty);
+        cx.fixed_before = fixed;
+        check_quantifiable(cx, &ty, &var.ty);
+        for name in &var.names {
+            bound::bind_name(cx, name, Means::Any(ty.clone()));
         }
     }
-
-    /// Reports a construct of Kind 2 that is checked but not executed.
-    pub(super) fn foreign(&mut self, what: &str, why: &str, span: Span) {
-        let message = format!("{what} cannot be executed");
-        self.report(Finding::new(Code::RPI0017, message).at(span, why));
+    let condition = expr::check_expr(cx, &of.condition);
+    statement::expect_type(cx, condition, &Ty::Bool, &Wanted::Here);
+    cx.bound.truncate(before);
+    match &mut cx.claim {
+        Some(claim) => claim.0 = claim.0.or(Some(span)),
+        None => not_executable(
+            cx,
+            "a quantifier",
+            "it ranges over more values than can be tested",
+            span,
+        ),
     }
+    cx.add(Kind::Outside, Ty::Bool, span)
+}
 
-    /// Checks `subtype { x: T | c }` and returns `T`; the condition is for provers.
-    pub(super) fn refined(&mut self, refined: &'a Refined) -> Ty {
-        let base = self.ty(&refined.base);
-        let in_quantifier = self.fixed_before.is_some() || self.quantifies();
-        let means = match in_quantifier {
-            true => Means::Any(base.clone()),
-            false => Means::Value(base.clone()),
-        };
-        self.with_bound(&refined.name, means, |body| {
-            let condition = body.expr(&refined.condition);
-            body.expect(condition, &Ty::Bool, &Wanted::Here);
-        });
-        base
+/// Reports a quantifier over arrays, sets or maps.
+fn check_quantifiable(cx: &mut Body<'_, '_>, ty: &Ty, written: &ast::Type) {
+    let has_elements = matches!(ty, Ty::Array(..)) || is_foreign(ty, &["set<", "map<"]);
+    if has_elements {
+        let message = format!("cannot quantify over `{ty}`");
+        let finding = Finding::new(Code::RPI2014, message)
+            .at(written.span, "not a quantifiable type")
+            .help("quantify over an index: `forall (i: int) a[i] > 0`");
+        report::report_diagnostic(cx, finding);
     }
+}
 
-    /// Whether a quantified variable is in scope.
-    pub(super) fn quantifies(&self) -> bool {
-        self.bound.iter().any(super::bound::Bound::is_quantified)
+/// Reports a construct of Kind 2 that is checked but not executed.
+pub(super) fn not_executable(cx: &mut Body<'_, '_>, what: &str, why: &str, span: Span) {
+    let message = format!("{what} cannot be executed");
+    report::report_diagnostic(cx, Finding::new(Code::RPI0017, message).at(span, why));
+}
+
+/// Checks `subtype { x: T | c }` and returns `T`; the condition is for provers.
+pub(super) fn refinement_type<'a>(cx: &mut Body<'_, 'a>, refined: &'a Refined) -> Ty {
+    let base = types::resolve_type(cx, &refined.base);
+    let in_quantifier = cx.fixed_before.is_some() || check_in_quantifier(cx);
+    let means = match in_quantifier {
+        true => Means::Any(base.clone()),
+        false => Means::Value(base.clone()),
+    };
+    bound::with_binding(cx, &refined.name, means, |body| {
+        let condition = expr::check_expr(body, &refined.condition);
+        statement::expect_type(body, condition, &Ty::Bool, &Wanted::Here);
+    });
+    base
+}
+
+/// Whether a quantified variable is in scope.
+pub(super) fn check_in_quantifier(cx: &Body<'_, '_>) -> bool {
+    cx.bound.iter().any(super::bound::Bound::is_quantified)
+}
+
+/// Checks a type ascription `(x: T)`.
+pub(super) fn ascription<'a>(cx: &mut Body<'_, 'a>, of: &'a Ascribed) -> ExprId {
+    let value = expr::check_expr(cx, &of.value);
+    let ty = types::resolve_type(cx, &of.ty);
+    statement::expect_type(
+        cx,
+        value,
+        &ty,
+        &Wanted::By(of.ty.span, "expected because of this type".into()),
+    );
+    if is_temporal_type(cx, &of.ty) && bound::reads_binding(cx, &of.value) {
+        let finding = Finding::new(Code::RPI2014, "a quantified variable has no earlier cycles")
+            .at(of.value.span, "this depends on a quantified variable")
+            .also(
+                of.ty.span,
+                "the condition of the type refers to earlier cycles",
+            );
+        report::report_diagnostic(cx, finding);
     }
+    value
+}
 
-    /// Checks a type ascription `(x: T)`.
-    pub(super) fn ascribed(&mut self, of: &'a Ascribed) -> ExprId {
-        let value = self.expr(&of.value);
-        let ty = self.ty(&of.ty);
-        self.expect(
-            value,
-            &ty,
-            &Wanted::By(of.ty.span, "expected because of this type".into()),
+/// Whether the condition of a type refers to earlier cycles.
+fn is_temporal_type(cx: &Body<'_, '_>, ty: &ast::Type) -> bool {
+    match &ty.kind {
+        TypeKind::Named(named) => {
+            let found =
+                cx.c.program
+                    .lookup_in(Space::Type, cx.module, &named.name.name);
+            matches!(found, Lookup::Found(id) if cx.c.temporal.contains(&id))
+        }
+        TypeKind::Array(array) => is_temporal_type(cx, &array.element),
+        _ => false,
+    }
+}
+
+/// Reports a call inside a quantifier if the callee has state or no known body.
+pub(super) fn check_call_in_quantifier<'a>(
+    cx: &mut Body<'_, 'a>,
+    call: &'a Call,
+    id: crate::program::DeclId,
+    span: Span,
+) {
+    if !check_in_quantifier(cx) {
+        return;
+    }
+    let DeclKind::Node(node) = cx.c.program.decl(id).kind else {
+        return;
+    };
+    let opaque = node.kind == NodeKind::Node || matches!(node.definition, NodeDef::Extern);
+    let reads = call
+        .args
+        .iter()
+        .any(|arg| bound::reads_binding(cx, &arg.value));
+    if opaque && (reads || cx.guarded) {
+        let message = format!(
+            "cannot call `{}` for a quantified variable",
+            call.callee.name.name
         );
-        if self.is_temporal(&of.ty) && self.reads_bound(&of.value) {
-            let finding =
-                Finding::new(Code::RPI2014, "a quantified variable has no earlier cycles")
-                    .at(of.value.span, "this depends on a quantified variable")
-                    .also(
-                        of.ty.span,
-                        "the condition of the type refers to earlier cycles",
-                    );
-            self.report(finding);
-        }
-        value
+        let finding = Finding::new(Code::RPI2014, message)
+            .at(span, "the call depends on a quantified variable")
+            .help("only functions with a known body can be called here");
+        report::report_diagnostic(cx, finding);
     }
+}
 
-    /// Whether the condition of a type refers to earlier cycles.
-    fn is_temporal(&self, ty: &ast::Type) -> bool {
-        match &ty.kind {
-            TypeKind::Named(named) => {
-                let found = self
-                    .c
-                    .program
-                    .lookup_in(Space::Type, self.module, &named.name.name);
-                matches!(found, Lookup::Found(id) if self.c.temporal.contains(&id))
-            }
-            TypeKind::Array(array) => self.is_temporal(&array.element),
-            _ => false,
-        }
+/// Checks the empty set `{}@<T>`.
+pub(super) fn empty_set<'a>(cx: &mut Body<'_, 'a>, types: &'a [StaticArg], span: Span) -> ExprId {
+    let known: Vec<Ty> = types
+        .iter()
+        .filter_map(|ty| statics::static_type(cx, ty))
+        .collect();
+    let ty = match &known[..] {
+        [one] => set_of(one),
+        _ => Ty::Unknown,
+    };
+    not_executable(cx, "a set", SETS, span);
+    cx.add(Kind::Outside, ty, span)
+}
+
+/// Checks the membership `x in s`.
+pub(super) fn membership<'a>(
+    cx: &mut Body<'_, 'a>,
+    lhs: &'a Expr,
+    rhs: &'a Expr,
+    span: Span,
+) -> ExprId {
+    let (value, set) = (expr::check_expr(cx, lhs), expr::check_expr(cx, rhs));
+    let (found, of) = (cx.ty_of(value).clone(), cx.ty_of(set).clone());
+    if !of.is_unknown() && !is_foreign(&of, &["set<", "map<"]) {
+        let finding = Finding::new(
+            Code::RPI2006,
+            format!("`in` cannot take `{found}` and `{of}`"),
+        )
+        .at(rhs.span, format!("this is `{of}`"))
+        .help(
+            "compare with each value: `x = 1 or x = 2`; a range has two bounds: `x >= 1 and x <= 5`",
+        );
+        report::report_diagnostic(cx, finding);
     }
+    cx.add(Kind::Outside, Ty::Bool, span)
+}
 
-    /// Reports a call inside a quantifier if the callee has state or no known body.
-    pub(super) fn is_looked_into(
-        &mut self,
-        call: &'a Call,
-        id: crate::program::DeclId,
-        span: Span,
-    ) {
-        if !self.quantifies() {
-            return;
-        }
-        let DeclKind::Node(node) = self.c.program.decl(id).kind else {
-            return;
-        };
-        let opaque = node.kind == NodeKind::Node || matches!(node.definition, NodeDef::Extern);
-        let reads = call.args.iter().any(|arg| self.reads_bound(&arg.value));
-        if opaque && (reads || self.guarded) {
-            let message = format!(
-                "cannot call `{}` for a quantified variable",
-                call.callee.name.name
-            );
-            let finding = Finding::new(Code::RPI2014, message)
-                .at(span, "the call depends on a quantified variable")
-                .help("only functions with a known body can be called here");
-            self.report(finding);
-        }
-    }
-
-    /// Checks the empty set `{}@<T>`.
-    pub(super) fn empty_set(&mut self, types: &'a [StaticArg], span: Span) -> ExprId {
-        let known: Vec<Ty> = types.iter().filter_map(|ty| self.static_type(ty)).collect();
-        let ty = match &known[..] {
-            [one] => set_of(one),
-            _ => Ty::Unknown,
-        };
-        self.foreign("a set", SETS, span);
-        self.add(Kind::Outside, ty, span)
-    }
-
-    /// Checks the membership `x in s`.
-    pub(super) fn is_in(&mut self, lhs: &'a Expr, rhs: &'a Expr, span: Span) -> ExprId {
-        let (value, set) = (self.expr(lhs), self.expr(rhs));
-        let (found, of) = (self.ty_of(value).clone(), self.ty_of(set).clone());
-        if !of.is_unknown() && !is_foreign(&of, &["set<", "map<"]) {
-            let finding = Finding::new(
-                Code::RPI2006,
-                format!("`in` cannot take `{found}` and `{of}`"),
-            )
-            .at(rhs.span, format!("this is `{of}`"))
-            .help(
-                "compare with each value: `x = 1 or x = 2`; a range has two bounds: `x >= 1 and x <= 5`",
-            );
-            self.report(finding);
-        }
-        self.add(Kind::Outside, Ty::Bool, span)
-    }
-
-    /// Reports a nondeterministic value in a constant.
-    pub(super) fn open_in_constant(&mut self, span: Span) {
-        if self.unit.kind == UnitKind::Constant {
-            let finding = Finding::new(Code::RPI2008, "a constant is needed here")
-                .at(span, "this may change from cycle to cycle");
-            self.report(finding);
-        }
+/// Reports a nondeterministic value in a constant.
+pub(super) fn nondeterminism_in_constant(cx: &mut Body<'_, '_>, span: Span) {
+    if cx.unit.kind == UnitKind::Constant {
+        let finding = Finding::new(Code::RPI2008, "a constant is needed here")
+            .at(span, "this may change from cycle to cycle");
+        report::report_diagnostic(cx, finding);
     }
 }
 

@@ -3,6 +3,7 @@
 use super::args::Given;
 use super::body::Body;
 use super::statics::{Param, Static, Statics, params};
+use super::unit;
 use super::{Checker, Constant};
 use crate::program::{DeclId, DeclKind};
 use crate::ty::Ty;
@@ -10,60 +11,62 @@ use rpi_image::Value;
 use rpi_syntax::Name;
 use rpi_syntax::ast::{ExprKind, Ident, Signature, Type, TypeKind, VarDecl};
 
-impl<'a> Body<'_, 'a> {
-    /// Binds the size parameters without an argument that follow from the type of an argument, before defaults are
-    /// added. Returns false if a size depends on an argument whose type is not known yet.
-    pub(super) fn bind_sizes_of_arguments(
-        &mut self,
-        id: DeclId,
-        given: &[Given<'a>],
-        statics: &mut Statics,
-    ) -> bool {
-        let Some(signature) = self.c.signature(id).filter(|_| self.is_rpi()) else {
-            return true;
+/// Binds the size parameters without an argument that follow from the type of an argument, before defaults are
+/// added. Returns false if a size depends on an argument whose type is not known yet.
+pub(super) fn infer_size_params<'a>(
+    cx: &mut Body<'_, 'a>,
+    id: DeclId,
+    given: &[Given<'a>],
+    statics: &mut Statics,
+) -> bool {
+    let Some(signature) = cx.c.signature(id).filter(|_| unit::reads_rpi_syntax(cx)) else {
+        return true;
+    };
+    let mut known = true;
+    for param in params(&signature.statics) {
+        let Param::Value(name, _) = param else {
+            continue;
         };
-        let mut known = true;
-        for param in params(&signature.statics) {
-            let Param::Value(name, _) = param else {
-                continue;
-            };
-            if statics.contains_key(&name.name) || given.iter().any(|arg| is_named(arg, &name.name))
-            {
-                continue;
-            }
-            match self.size_told(signature, &name.name, given) {
-                Told::Size(size) => {
-                    let constant = Constant {
-                        ty: Ty::Int,
-                        leaves: [Value::int(i64::from(size))].into(),
-                    };
-                    statics.insert(name.name.clone(), Static::Value(constant));
-                }
-                Told::Later => known = false,
-                Told::Nothing => {}
-            }
+        if statics.contains_key(&name.name) || given.iter().any(|arg| is_named(arg, &name.name)) {
+            continue;
         }
-        known
+        match infer_size(cx, signature, &name.name, given) {
+            Told::Size(size) => {
+                let constant = Constant {
+                    ty: Ty::Int,
+                    leaves: [Value::int(i64::from(size))].into(),
+                };
+                statics.insert(name.name.clone(), Static::Value(constant));
+            }
+            Told::Later => known = false,
+            Told::Nothing => {}
+        }
     }
+    known
+}
 
-    fn size_told(&self, signature: &'a Signature, name: &Name, given: &[Given<'a>]) -> Told {
-        let ports = signature.inputs.iter().flatten();
-        let ports = ports.flat_map(|port: &VarDecl| port.names.iter().map(move |n| (n, &port.ty)));
-        let mut by_place = given.iter().filter(|arg| arg.name.is_none());
-        let mut told = Told::Nothing;
-        for (port, ty) in ports {
-            let named = given.iter().find(|arg| is_named(arg, &port.name));
-            let Some(arg) = named.or_else(|| by_place.next()) else {
-                continue;
-            };
-            match size_in(ty, self.ty_of(arg.value), name) {
-                Told::Nothing => {}
-                Told::Later => told = Told::Later,
-                size @ Told::Size(_) => return size,
-            }
+fn infer_size<'a>(
+    cx: &Body<'_, 'a>,
+    signature: &'a Signature,
+    name: &Name,
+    given: &[Given<'a>],
+) -> Told {
+    let ports = signature.inputs.iter().flatten();
+    let ports = ports.flat_map(|port: &VarDecl| port.names.iter().map(move |n| (n, &port.ty)));
+    let mut by_place = given.iter().filter(|arg| arg.name.is_none());
+    let mut told = Told::Nothing;
+    for (port, ty) in ports {
+        let named = given.iter().find(|arg| is_named(arg, &port.name));
+        let Some(arg) = named.or_else(|| by_place.next()) else {
+            continue;
+        };
+        match size_in(ty, cx.ty_of(arg.value), name) {
+            Told::Nothing => {}
+            Told::Later => told = Told::Later,
+            size @ Told::Size(_) => return size,
         }
-        told
     }
+    told
 }
 
 impl<'a> Checker<'a> {

@@ -3,7 +3,11 @@
 //! A vector has one unit for its three components, and one frame in which they are expressed.
 
 use super::body::Body;
+use super::prim;
+use super::report;
 use super::report::Wanted;
+use super::statement;
+use super::statics;
 use crate::ty::{Geometry, Ty, join};
 use crate::typed::ExprId;
 use crate::units::Dim;
@@ -67,141 +71,152 @@ impl SpatialOp {
     }
 }
 
-impl<'a> Body<'_, 'a> {
-    /// Returns the dimension of the components of `Vector<<real[m/s]>>`, if it is given. Other spatial types take no
-    /// static arguments.
-    pub(super) fn components(&mut self, scalar: Scalar, statics: &'a [StaticArg]) -> Option<Dim> {
-        let [of, more @ ..] = statics else {
+/// Returns the dimension of the components of `Vector<<real[m/s]>>`, if it is given. Other spatial types take no
+/// static arguments.
+pub(super) fn component_dim<'a>(
+    cx: &mut Body<'_, 'a>,
+    scalar: Scalar,
+    statics: &'a [StaticArg],
+) -> Option<Dim> {
+    let [of, more @ ..] = statics else {
+        return None;
+    };
+    let ty = statics::static_type(cx, of)?;
+    match (scalar, ty, more) {
+        (Scalar::Vector, Ty::Real(dim), []) => return Some(dim),
+        (_, Ty::Unknown, _) => return None,
+        _ => {}
+    }
+    let message = match scalar {
+        Scalar::Vector => "the components of a vector must be reals".to_owned(),
+        _ => format!("`{scalar}` has no static arguments"),
+    };
+    let finding = Finding::new(Code::RPI1010, message)
+        .at(of.span, "invalid static argument")
+        .help("write a velocity vector as `Vector<<real[m/s]>>`");
+    report::report_diagnostic(cx, finding);
+    None
+}
+
+/// Checks a spatial operator; the caller has checked the number of operands.
+pub(super) fn spatial_op(
+    cx: &mut Body<'_, '_>,
+    op: SpatialOp,
+    operands: &[ExprId],
+    span: Span,
+) -> ExprId {
+    match op {
+        SpatialOp::Vector => vector_op(cx, operands, span),
+        SpatialOp::Inverse => inverse(cx, operands[0], span),
+        SpatialOp::Norm => match common_vector_geometry(cx, operands) {
+            Some(of) => {
+                let ty = Ty::Real(of.dim.unwrap_or(Dim::ONE));
+                prim::add_prim(cx, prim!("Rpi::VectorNorm"), operands, ty, span)
+            }
+            None => cx.fault(span),
+        },
+        SpatialOp::Dot => vector_product(cx, prim!("World::VectorDot"), operands, span),
+        SpatialOp::Cross => vector_product(cx, prim!("World::VectorCross"), operands, span),
+    }
+}
+
+fn vector_op(cx: &mut Body<'_, '_>, parts: &[ExprId], span: Span) -> ExprId {
+    let Ty::Real(dim) = *cx.ty_of(parts[0]) else {
+        statement::expect_type(cx, parts[0], &Ty::REAL, &Wanted::Here);
+        return cx.fault(span);
+    };
+    let fits: Vec<bool> = parts[1..]
+        .iter()
+        .map(|part| statement::expect_type(cx, *part, &Ty::Real(dim), &Wanted::Here))
+        .collect();
+    if fits.contains(&false) {
+        return cx.fault(span);
+    }
+    let geometry = Geometry {
+        dim: Some(dim),
+        ..Geometry::default()
+    };
+    let ty = Ty::Spatial(Scalar::Vector, Rc::new(geometry));
+    prim::add_prim(cx, prim!("World::VectorFromXYZ"), parts, ty, span)
+}
+
+/// Checks the inverse: `(b in a)` for `(a in b)`.
+fn inverse(cx: &mut Body<'_, '_>, operand: ExprId, span: Span) -> ExprId {
+    let (prim, scalar, geometry) = match cx.ty_of(operand).clone() {
+        Ty::Spatial(Scalar::Pose, of) => (prim!("World::FrameInvert"), Scalar::Pose, of),
+        Ty::Spatial(Scalar::Rotation, of) => (prim!("World::RotationInvert"), Scalar::Rotation, of),
+        Ty::Unknown => return cx.fault(span),
+        ty => {
+            let finding = Finding::new(Code::RPI2006, format!("`inverse` cannot take `{ty}`"))
+                .at(cx.span_of(operand), format!("this is `{ty}`"))
+                .help("only poses and rotations have an inverse");
+            return cx.fault_with(finding, span);
+        }
+    };
+    let turned = Geometry {
+        dim: None,
+        of: geometry.in_frame.clone(),
+        in_frame: geometry.of.clone(),
+    };
+    prim::add_prim(
+        cx,
+        prim,
+        &[operand],
+        Ty::Spatial(scalar, Rc::new(turned)),
+        span,
+    )
+}
+
+/// Checks a product of two vectors: their units are multiplied, and both must be in the same frame.
+fn vector_product(cx: &mut Body<'_, '_>, prim: PrimId, operands: &[ExprId], span: Span) -> ExprId {
+    let dims = operands.iter().map(|id| match cx.ty_of(*id) {
+        Ty::Spatial(_, geometry) => geometry.dim,
+        _ => None,
+    });
+    let dims: Vec<Option<Dim>> = dims.collect();
+    let Some(common) = common_vector_geometry(cx, operands) else {
+        return cx.fault(span);
+    };
+    let dim = match dims[..] {
+        [Some(a), Some(b)] => a.times(b),
+        _ => None,
+    };
+    let ty = match prim == prim!("World::VectorDot") {
+        true => Ty::Real(dim.unwrap_or(Dim::ONE)),
+        false => Ty::Spatial(Scalar::Vector, Rc::new(Geometry { dim, ..common })),
+    };
+    prim::add_prim(cx, prim, operands, ty, span)
+}
+
+/// Returns the common geometry of vectors in one frame; reports a mismatch.
+fn common_vector_geometry(cx: &mut Body<'_, '_>, operands: &[ExprId]) -> Option<Geometry> {
+    let mut common = Ty::spatial(Scalar::Vector);
+    for operand in operands {
+        let found = cx.ty_of(*operand).clone();
+        if found.is_unknown() {
             return None;
-        };
-        let ty = self.static_type(of)?;
-        match (scalar, ty, more) {
-            (Scalar::Vector, Ty::Real(dim), []) => return Some(dim),
-            (_, Ty::Unknown, _) => return None,
-            _ => {}
         }
-        let message = match scalar {
-            Scalar::Vector => "the components of a vector must be reals".to_owned(),
-            _ => format!("`{scalar}` has no static arguments"),
-        };
-        let finding = Finding::new(Code::RPI1010, message)
-            .at(of.span, "invalid static argument")
-            .help("write a velocity vector as `Vector<<real[m/s]>>`");
-        self.report(finding);
-        None
-    }
-
-    /// Checks a spatial operator; the caller has checked the number of operands.
-    pub(super) fn spatial_op(&mut self, op: SpatialOp, operands: &[ExprId], span: Span) -> ExprId {
-        match op {
-            SpatialOp::Vector => self.vector(operands, span),
-            SpatialOp::Inverse => self.inverse(operands[0], span),
-            SpatialOp::Norm => match self.vectors(operands) {
-                Some(of) => {
-                    let ty = Ty::Real(of.dim.unwrap_or(Dim::ONE));
-                    self.prim_typed(prim!("Rpi::VectorNorm"), operands, ty, span)
-                }
-                None => self.fault(span),
-            },
-            SpatialOp::Dot => self.product(prim!("World::VectorDot"), operands, span),
-            SpatialOp::Cross => self.product(prim!("World::VectorCross"), operands, span),
-        }
-    }
-
-    fn vector(&mut self, parts: &[ExprId], span: Span) -> ExprId {
-        let Ty::Real(dim) = *self.ty_of(parts[0]) else {
-            self.expect(parts[0], &Ty::REAL, &Wanted::Here);
-            return self.fault(span);
-        };
-        let fits: Vec<bool> = parts[1..]
-            .iter()
-            .map(|part| self.expect(*part, &Ty::Real(dim), &Wanted::Here))
-            .collect();
-        if fits.contains(&false) {
-            return self.fault(span);
-        }
-        let geometry = Geometry {
-            dim: Some(dim),
-            ..Geometry::default()
-        };
-        let ty = Ty::Spatial(Scalar::Vector, Rc::new(geometry));
-        self.prim_typed(prim!("World::VectorFromXYZ"), parts, ty, span)
-    }
-
-    /// Checks the inverse: `(b in a)` for `(a in b)`.
-    fn inverse(&mut self, operand: ExprId, span: Span) -> ExprId {
-        let (prim, scalar, geometry) = match self.ty_of(operand).clone() {
-            Ty::Spatial(Scalar::Pose, of) => (prim!("World::FrameInvert"), Scalar::Pose, of),
-            Ty::Spatial(Scalar::Rotation, of) => {
-                (prim!("World::RotationInvert"), Scalar::Rotation, of)
+        // Only the frames must be equal; the units may differ.
+        let frames_only = match (&found, operands.len()) {
+            (Ty::Spatial(Scalar::Vector, of), 2..) => {
+                let geometry = Geometry {
+                    dim: None,
+                    ..(**of).clone()
+                };
+                Ty::Spatial(Scalar::Vector, Rc::new(geometry))
             }
-            Ty::Unknown => return self.fault(span),
-            ty => {
-                let finding = Finding::new(Code::RPI2006, format!("`inverse` cannot take `{ty}`"))
-                    .at(self.span_of(operand), format!("this is `{ty}`"))
-                    .help("only poses and rotations have an inverse");
-                return self.fault_with(finding, span);
-            }
+            _ => found,
         };
-        let turned = Geometry {
-            dim: None,
-            of: geometry.in_frame.clone(),
-            in_frame: geometry.of.clone(),
-        };
-        self.prim_typed(prim, &[operand], Ty::Spatial(scalar, Rc::new(turned)), span)
-    }
-
-    /// Checks a product of two vectors: their units are multiplied, and both must be in the same frame.
-    fn product(&mut self, prim: PrimId, operands: &[ExprId], span: Span) -> ExprId {
-        let dims = operands.iter().map(|id| match self.ty_of(*id) {
-            Ty::Spatial(_, geometry) => geometry.dim,
-            _ => None,
-        });
-        let dims: Vec<Option<Dim>> = dims.collect();
-        let Some(common) = self.vectors(operands) else {
-            return self.fault(span);
-        };
-        let dim = match dims[..] {
-            [Some(a), Some(b)] => a.times(b),
-            _ => None,
-        };
-        let ty = match prim == prim!("World::VectorDot") {
-            true => Ty::Real(dim.unwrap_or(Dim::ONE)),
-            false => Ty::Spatial(Scalar::Vector, Rc::new(Geometry { dim, ..common })),
-        };
-        self.prim_typed(prim, operands, ty, span)
-    }
-
-    /// Returns the common geometry of vectors in one frame; reports a mismatch.
-    fn vectors(&mut self, operands: &[ExprId]) -> Option<Geometry> {
-        let mut common = Ty::spatial(Scalar::Vector);
-        for operand in operands {
-            let found = self.ty_of(*operand).clone();
-            if found.is_unknown() {
+        match join(&common, &frames_only) {
+            Ok(joined) => common = joined,
+            Err(misfit) => {
+                report::type_mismatch(cx, *operand, &common, &misfit, &Wanted::Here);
                 return None;
             }
-            // Only the frames must be equal; the units may differ.
-            let frames_only = match (&found, operands.len()) {
-                (Ty::Spatial(Scalar::Vector, of), 2..) => {
-                    let geometry = Geometry {
-                        dim: None,
-                        ..(**of).clone()
-                    };
-                    Ty::Spatial(Scalar::Vector, Rc::new(geometry))
-                }
-                _ => found,
-            };
-            match join(&common, &frames_only) {
-                Ok(joined) => common = joined,
-                Err(misfit) => {
-                    self.misfit(*operand, &common, &misfit, &Wanted::Here);
-                    return None;
-                }
-            }
         }
-        match common {
-            Ty::Spatial(_, geometry) => Some((*geometry).clone()),
-            _ => None,
-        }
+    }
+    match common {
+        Ty::Spatial(_, geometry) => Some((*geometry).clone()),
+        _ => None,
     }
 }

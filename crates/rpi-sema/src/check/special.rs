@@ -1,9 +1,20 @@
 //! Predeclared operators in call syntax. A declaration of the same name hides them.
 
+use super::args;
 use super::args::Given;
 use super::body::Body;
+use super::call;
+use super::expr;
+use super::machine;
+use super::prim;
+use super::quantifier;
+use super::report;
 use super::report::Wanted;
+use super::spatial;
 use super::spatial::SpatialOp;
+use super::statement;
+use super::statics;
+use super::time;
 use crate::ty::{MachineInt, Ty};
 use crate::typed::{Activation, Each, ExprId, Kind};
 use crate::units::{Dim, Ratio};
@@ -96,148 +107,165 @@ impl Special {
     }
 }
 
-impl<'a> Body<'_, 'a> {
-    /// Checks a call of a predeclared operator.
-    pub(super) fn special(&mut self, special: Special, call: &'a ast::Call, span: Span) -> ExprId {
-        if special == Special::Condact {
-            return self.condact(call, span);
-        }
-        if let Special::Machine(name) = special {
-            return self.machine_conversion(name, call, span);
-        }
-        let given = self.given(&call.args);
-        if let (Special::Any | Special::Choose, [of], []) =
-            (special, &call.callee.statics[..], &given[..])
-        {
-            return self.any(special, of, span);
-        }
-        self.apply_special(special, &given, span)
+/// Checks a call of a predeclared operator.
+pub(super) fn check_intrinsic<'a>(
+    cx: &mut Body<'_, 'a>,
+    special: Special,
+    call: &'a ast::Call,
+    span: Span,
+) -> ExprId {
+    if special == Special::Condact {
+        return check_condact(cx, call, span);
     }
+    if let Special::Machine(name) = special {
+        return machine::machine_conversion(cx, name, call, span);
+    }
+    let given = args::check_args(cx, &call.args);
+    if let (Special::Any | Special::Choose, [of], []) =
+        (special, &call.callee.statics[..], &given[..])
+    {
+        return nondeterministic_value(cx, special, of, span);
+    }
+    apply_intrinsic(cx, special, &given, span)
+}
 
-    /// Checks `any` and `choose`, whose values are nondeterministic.
-    fn any(&mut self, special: Special, of: &'a ast::StaticArg, span: Span) -> ExprId {
-        // `choose` is a function of its arguments; `any` may change from cycle to cycle.
-        if special == Special::Any {
-            self.has_state(span);
-        }
-        self.open_in_constant(span);
-        let Some(ty) = self.static_type(of) else {
-            return self.fault(span);
-        };
-        self.report(
-            Finding::new(Code::RPI1013, "nondeterministic value")
-                .at(span, "false or 0 at run time"),
-        );
-        self.add(Kind::Outside, ty, span)
+/// Checks `any` and `choose`, whose values are nondeterministic.
+fn nondeterministic_value<'a>(
+    cx: &mut Body<'_, 'a>,
+    special: Special,
+    of: &'a ast::StaticArg,
+    span: Span,
+) -> ExprId {
+    // `choose` is a function of its arguments; `any` may change from cycle to cycle.
+    if special == Special::Any {
+        cx.has_state(span);
     }
+    quantifier::nondeterminism_in_constant(cx, span);
+    let Some(ty) = statics::static_type(cx, of) else {
+        return cx.fault(span);
+    };
+    report::report_diagnostic(
+        cx,
+        Finding::new(Code::RPI1013, "nondeterministic value").at(span, "false or 0 at run time"),
+    );
+    cx.add(Kind::Outside, ty, span)
+}
 
-    /// Checks a predeclared operator with checked arguments.
-    pub(super) fn apply_special(
-        &mut self,
-        special: Special,
-        given: &[Given<'a>],
-        span: Span,
-    ) -> ExprId {
-        let values: Vec<ExprId> = given.iter().map(|arg| arg.value).collect();
-        match (special, &values[..]) {
-            (Special::Present, [x]) => self.add(Kind::Present(*x), Ty::Bool, span),
-            (Special::Hold, [x, init]) => {
-                self.has_state(span);
-                let ty = self.common_type(*x, *init, "this is the value before the first one");
-                self.add(Kind::Each(Each::Hold, [*x, *init].into()), ty, span)
-            }
-            (Special::Sqrt, [x]) => self.sqrt(*x, span),
-            (Special::Spatial(op), values) if values.len() == op.operands() => {
-                self.spatial_op(op, values, span)
-            }
-            (Special::Time, [x]) => self.whole_ticks(*x, span),
-            (Special::Machine(to), [x]) => match MachineInt::named(to) {
-                Some(to) => self.converted_to(*x, to, span),
-                None => self.fault(span),
-            },
-            _ => {
-                let message = format!(
-                    "`{}` does not take {}",
-                    special.name(),
-                    counted(values.len(), "argument")
-                );
-                let finding = Finding::new(Code::RPI1010, message)
-                    .at(span, "wrong number of arguments")
-                    .help(format!("usage: {}", special.form()));
-                self.fault_with(finding, span)
-            }
+/// Checks a predeclared operator with checked arguments.
+pub(super) fn apply_intrinsic<'a>(
+    cx: &mut Body<'_, 'a>,
+    special: Special,
+    given: &[Given<'a>],
+    span: Span,
+) -> ExprId {
+    let values: Vec<ExprId> = given.iter().map(|arg| arg.value).collect();
+    match (special, &values[..]) {
+        (Special::Present, [x]) => cx.add(Kind::Present(*x), Ty::Bool, span),
+        (Special::Hold, [x, init]) => {
+            cx.has_state(span);
+            let ty = expr::common_type(cx, *x, *init, "this is the value before the first one");
+            cx.add(Kind::Each(Each::Hold, [*x, *init].into()), ty, span)
         }
-    }
-
-    /// Checks `time(x)`: seconds as a time in whole ticks.
-    fn whole_ticks(&mut self, x: ExprId, span: Span) -> ExprId {
-        if *self.ty_of(x) == Ty::Duration || self.in_ticks(x) {
-            return x;
+        (Special::Sqrt, [x]) => sqrt(cx, *x, span),
+        (Special::Spatial(op), values) if values.len() == op.operands() => {
+            spatial::spatial_op(cx, op, values, span)
         }
-        match self.expect(x, &super::time::SECONDS, &Wanted::Here) {
-            true => self.ticks_from(x, span),
-            false => self.add(Kind::Fault, Ty::Duration, span),
+        (Special::Time, [x]) => time_conversion(cx, *x, span),
+        (Special::Machine(to), [x]) => match MachineInt::named(to) {
+            Some(to) => machine::convert_to_machine(cx, *x, to, span),
+            None => cx.fault(span),
+        },
+        _ => {
+            let message = format!(
+                "`{}` does not take {}",
+                special.name(),
+                counted(values.len(), "argument")
+            );
+            let finding = Finding::new(Code::RPI1010, message)
+                .at(span, "wrong number of arguments")
+                .help(format!("usage: {}", special.form()));
+            cx.fault_with(finding, span)
         }
     }
+}
 
-    fn sqrt(&mut self, x: ExprId, span: Span) -> ExprId {
-        self.in_seconds(x);
-        let dim = match self.ty_of(x) {
-            Ty::Real(dim) => *dim,
-            Ty::Unknown => return self.fault(span),
-            _ => {
-                self.expect(x, &Ty::REAL, &Wanted::Here);
-                Dim::ONE
-            }
-        };
-        let ty = dim.power(Ratio::HALF).map_or(Ty::Unknown, Ty::Real);
-        self.prim_typed(prim!("Core::DoubleSquareRoot"), &[x], ty, span)
+/// Checks `time(x)`: seconds as a time in whole ticks.
+fn time_conversion(cx: &mut Body<'_, '_>, x: ExprId, span: Span) -> ExprId {
+    if *cx.ty_of(x) == Ty::Duration || time::convert_to_ticks(cx, x) {
+        return x;
     }
+    match statement::expect_type(cx, x, &super::time::SECONDS, &Wanted::Here) {
+        true => time::ticks_from_seconds(cx, x, span),
+        false => cx.add(Kind::Fault, Ty::Duration, span),
+    }
+}
 
-    /// Checks `condact(c, f(x), d)`.
-    fn condact(&mut self, call: &'a ast::Call, span: Span) -> ExprId {
-        let [every, called, defaults @ ..] = &call.args[..] else {
-            return self.condact_form(span);
-        };
-        let ExprKind::Call(inner) = &called.value.unparen().kind else {
-            return self.condact_form(called.value.span);
-        };
-        self.has_state(span);
-        let every = self.condition(&every.value, "an activation");
-        let restart = match &inner.activation {
-            ast::Activation::Always => None,
-            ast::Activation::Restart { every: restart } => {
-                let restart = self.condition(restart, "a restart");
-                // Only an active cycle can restart the call.
-                let both = [every, restart];
-                Some(self.prim_typed(prim!("Core::BooleanAnd"), &both, Ty::Bool, span))
-            }
-            ast::Activation::Activate { .. } => return self.condact_form(called.value.span),
-        };
-        let defaults: Vec<ExprId> = defaults.iter().map(|arg| self.expr(&arg.value)).collect();
-        let default = match defaults[..] {
-            [] => None,
-            [one] => Some(one),
-            _ => {
-                let ty = Ty::tuple(defaults.iter().map(|id| self.ty_of(*id).clone()));
-                Some(self.add(Kind::Build(defaults.into()), ty, span))
-            }
-        };
-        let activation = Activation::Condact {
-            every,
-            default,
-            restart,
-        };
-        self.call_activated(inner, activation, called.value.span)
-    }
+fn sqrt(cx: &mut Body<'_, '_>, x: ExprId, span: Span) -> ExprId {
+    time::convert_to_seconds(cx, x);
+    let dim = match cx.ty_of(x) {
+        Ty::Real(dim) => *dim,
+        Ty::Unknown => return cx.fault(span),
+        _ => {
+            statement::expect_type(cx, x, &Ty::REAL, &Wanted::Here);
+            Dim::ONE
+        }
+    };
+    let ty = dim.power(Ratio::HALF).map_or(Ty::Unknown, Ty::Real);
+    prim::add_prim(cx, prim!("Core::DoubleSquareRoot"), &[x], ty, span)
+}
 
-    fn condact_form(&mut self, span: Span) -> ExprId {
-        let finding = Finding::new(
-            Code::RPI1010,
-            "`condact` takes a condition, a call and defaults",
-        )
-        .at(span, "invalid arguments")
-        .help("write `condact(c, f(x), d)`");
-        self.fault_with(finding, span)
-    }
+/// Checks `condact(c, f(x), d)`.
+fn check_condact<'a>(cx: &mut Body<'_, 'a>, call: &'a ast::Call, span: Span) -> ExprId {
+    let [every, called, defaults @ ..] = &call.args[..] else {
+        return invalid_condact(cx, span);
+    };
+    let ExprKind::Call(inner) = &called.value.unparen().kind else {
+        return invalid_condact(cx, called.value.span);
+    };
+    cx.has_state(span);
+    let every = statement::check_condition(cx, &every.value, "an activation");
+    let restart = match &inner.activation {
+        ast::Activation::Always => None,
+        ast::Activation::Restart { every: restart } => {
+            let restart = statement::check_condition(cx, restart, "a restart");
+            // Only an active cycle can restart the call.
+            let both = [every, restart];
+            Some(prim::add_prim(
+                cx,
+                prim!("Core::BooleanAnd"),
+                &both,
+                Ty::Bool,
+                span,
+            ))
+        }
+        ast::Activation::Activate { .. } => return invalid_condact(cx, called.value.span),
+    };
+    let defaults: Vec<ExprId> = defaults
+        .iter()
+        .map(|arg| expr::check_expr(cx, &arg.value))
+        .collect();
+    let default = match defaults[..] {
+        [] => None,
+        [one] => Some(one),
+        _ => {
+            let ty = Ty::tuple(defaults.iter().map(|id| cx.ty_of(*id).clone()));
+            Some(cx.add(Kind::Build(defaults.into()), ty, span))
+        }
+    };
+    let activation = Activation::Condact {
+        every,
+        default,
+        restart,
+    };
+    call::call_with_activation(cx, inner, activation, called.value.span)
+}
+
+fn invalid_condact(cx: &mut Body<'_, '_>, span: Span) -> ExprId {
+    let finding = Finding::new(
+        Code::RPI1010,
+        "`condact` takes a condition, a call and defaults",
+    )
+    .at(span, "invalid arguments")
+    .help("write `condact(c, f(x), d)`");
+    cx.fault_with(finding, span)
 }

@@ -1,10 +1,28 @@
 //! Statements of a body: all are declared first, so that their order does not matter, then checked.
 
+use super::automaton;
+use super::blocks;
 use super::body::Body;
+use super::clocked;
+use super::consts;
+use super::contract;
+use super::defaults;
+use super::definitions;
+use super::elements;
+use super::expr;
+use super::imported;
+use super::infer_times;
+use super::locals;
 use super::locals::Local;
+use super::names;
 use super::order::{Goal, Pending, State};
+use super::report;
 use super::report::Wanted;
+use super::sums;
+use super::time;
+use super::types;
 use super::types::PortTy;
+use super::untold;
 use crate::program::DeclKind;
 use crate::ty::{Subst, Ty, fit};
 use crate::typed::{self, BlockId, End, Equation, ExprId, FlowId, FlowRole, Optional};
@@ -31,338 +49,352 @@ pub(super) enum Later<'a> {
     Automaton(usize, &'a ast::Automaton),
 }
 
-impl<'a> Body<'_, 'a> {
-    /// Declares and checks all statements of a body.
-    pub(super) fn check_body(&mut self, body: &'a ast::Body) {
-        let mut later = Vec::new();
-        self.declare_body(body, &mut later);
-        self.elements_in_order();
-        self.check_equations();
-        for (block, item) in later {
-            self.within(block, |body| body.check_later(item));
-        }
-        self.check_definitions();
-        self.check_sums();
+/// Declares and checks all statements of a body.
+pub(super) fn check_body<'a>(cx: &mut Body<'_, 'a>, body: &'a ast::Body) {
+    let mut later = Vec::new();
+    declare_body(cx, body, &mut later);
+    elements::check_element_order(cx);
+    check_equations(cx);
+    for (block, item) in later {
+        cx.within(block, |body| check_deferred(body, item));
     }
+    definitions::check_definitions(cx);
+    sums::check_time_sums(cx);
+}
 
-    /// Checks all declared equations.
-    pub(super) fn check_equations(&mut self) {
-        self.infer_with_times();
-        self.state_clocks();
-        self.report_unknown_types();
-        for index in 0..self.pending.len() {
-            let block = self.pending[index].block;
-            self.within(block, |body| body.check_element(index));
-        }
+/// Checks all declared equations.
+pub(super) fn check_equations(cx: &mut Body<'_, '_>) {
+    infer_times::infer_with_times(cx);
+    resolve_declared_clocks(cx);
+    untold::report_unknown_types(cx);
+    for index in 0..cx.pending.len() {
+        let block = cx.pending[index].block;
+        cx.within(block, |body| elements::check_element_equation(body, index));
     }
+}
 
-    /// Declares the locals and statements of a body in the current block.
-    pub(super) fn declare_body(
-        &mut self,
-        body: &'a ast::Body,
-        later: &mut Vec<(BlockId, Later<'a>)>,
-    ) {
-        self.make_room(body);
-        for section in &body.locals {
-            match section {
-                Locals::Var(vars) => vars.iter().for_each(|var| self.declare_var(var)),
-                Locals::Const(defs) => defs.iter().for_each(|def| self.declare_const(def)),
-            }
-        }
-        self.clocks_stated.push((self.block, &body.locals[..]));
-        self.count_parts(&body.statements);
-        self.declare_defaults(&body.statements);
-        for statement in &body.statements {
-            self.declare_statement(statement, later);
+/// Declares the locals and statements of a body in the current block.
+pub(super) fn declare_body<'a>(
+    cx: &mut Body<'_, 'a>,
+    body: &'a ast::Body,
+    later: &mut Vec<(BlockId, Later<'a>)>,
+) {
+    locals::reserve_tables(cx, body);
+    for section in &body.locals {
+        match section {
+            Locals::Var(vars) => vars.iter().for_each(|var| declare_var(cx, var)),
+            Locals::Const(defs) => defs.iter().for_each(|def| declare_const(cx, def)),
         }
     }
+    cx.clocks_stated.push((cx.block, &body.locals[..]));
+    elements::count_parts(cx, &body.statements);
+    defaults::declare_defaults(cx, &body.statements);
+    for statement in &body.statements {
+        declare_statement(cx, statement, later);
+    }
+}
 
-    /// Declares local flows; `var x: int = e;` also defines `x`.
-    pub(super) fn declare_var(&mut self, var: &'a VarDecl) {
-        let port = self.port_ty(&var.ty);
-        for name in &var.names {
-            self.hides_nothing(name);
-            let flow = self.declare_flow(name, &port, FlowRole::Local);
-            self.notes_seconds(flow, &var.ty);
-            if let Some(value) = &var.default {
-                self.pending.push(Pending {
-                    block: self.block,
-                    goal: Goal::Var(flow),
-                    value,
-                    span: var.span,
-                    introduces: SmallVec::from([None]),
-                    state: State::Open,
-                    indices: Vec::new(),
-                });
-            }
+/// Declares local flows; `var x: int = e;` also defines `x`.
+pub(super) fn declare_var<'a>(cx: &mut Body<'_, 'a>, var: &'a VarDecl) {
+    let port = types::resolve_port_type(cx, &var.ty);
+    for name in &var.names {
+        locals::report_constant_shadowing(cx, name);
+        let flow = locals::declare_flow(cx, name, &port, FlowRole::Local);
+        sums::record_seconds(cx, flow, &var.ty);
+        if let Some(value) = &var.default {
+            cx.pending.push(Pending {
+                block: cx.block,
+                goal: Goal::Var(flow),
+                value,
+                span: var.span,
+                introduces: SmallVec::from([None]),
+                state: State::Open,
+                indices: Vec::new(),
+            });
         }
     }
+}
 
-    pub(super) fn declare_const(&mut self, def: &'a ast::ConstDef) {
-        let Some(constant) = self.constant_def(def) else {
-            for name in &def.names {
-                let nothing = PortTy {
-                    ty: Ty::Unknown,
-                    optional: false,
-                };
-                self.declare_flow(name, &nothing, FlowRole::Param);
-            }
-            return;
-        };
+pub(super) fn declare_const<'a>(cx: &mut Body<'_, 'a>, def: &'a ast::ConstDef) {
+    let Some(constant) = consts::constant_def(cx, def) else {
         for name in &def.names {
-            self.declare(name, Local::Constant(constant.clone()));
-        }
-    }
-
-    /// Sets the clocks of declared flows after type inference, because equations may introduce the flows that the
-    /// clocks refer to.
-    fn state_clocks(&mut self) {
-        for (block, sections) in std::mem::take(&mut self.clocks_stated) {
-            for section in sections {
-                if let Locals::Var(vars) = section {
-                    self.within(block, |body| body.state_clocks_of(vars));
-                }
-            }
-        }
-    }
-
-    /// Sets the clocks that declarations state.
-    pub(super) fn state_clocks_of(&mut self, vars: &'a [VarDecl]) {
-        for var in vars {
-            let Some(clock) = &var.clock else {
-                continue;
+            let nothing = PortTy {
+                ty: Ty::Unknown,
+                optional: false,
             };
-            let on = self.clock_on(clock);
-            for name in &var.names {
-                if let (Some(flow), Some(on)) = (self.local_flow(&name.name), on) {
-                    self.unit.flows[flow.0 as usize].clock = Some(on);
-                }
+            locals::declare_flow(cx, name, &nothing, FlowRole::Param);
+        }
+        return;
+    };
+    for name in &def.names {
+        locals::declare(cx, name, Local::Constant(constant.clone()));
+    }
+}
+
+/// Sets the clocks of declared flows after type inference, because equations may introduce the flows that the
+/// clocks refer to.
+fn resolve_declared_clocks(cx: &mut Body<'_, '_>) {
+    for (block, sections) in std::mem::take(&mut cx.clocks_stated) {
+        for section in sections {
+            if let Locals::Var(vars) = section {
+                cx.within(block, |body| resolve_clocks_of(body, vars));
             }
         }
     }
+}
 
-    fn declare_statement(
-        &mut self,
-        statement: &'a Statement,
-        later: &mut Vec<(BlockId, Later<'a>)>,
-    ) {
-        let block = self.block;
-        match &statement.kind {
-            StatementKind::Equation(equation) => self.declare_equation(equation, statement.span),
-            StatementKind::Call(call) => later.push((block, Later::Call(call))),
-            StatementKind::Claim(claim) => {
-                later.push((block, Later::Claim(claim, statement.span)));
-            }
-            StatementKind::End(end) => later.push((block, Later::End(end, statement.span))),
-            StatementKind::Export(flows) => {
-                later.extend(flows.iter().map(|flow| (block, Later::Export(flow))));
-            }
-            StatementKind::Fragment(fragment) => self.declare_fragment(fragment, later),
-            StatementKind::Automaton(automaton) => {
-                self.declare_automaton(automaton, statement.span, later);
-            }
-            StatementKind::Choice(choice) => self.declare_meaning(&choice.means),
-            StatementKind::Keep(keep) => self.declare_meaning(&keep.means),
-            StatementKind::Broken(names) => {
-                for name in names {
-                    let flow = match self.find_local(&name.name) {
-                        None => Some(self.introduce_flow(name)),
-                        Some(Local::Flow(flow)) => Some(flow),
-                        Some(_) => None,
-                    };
-                    self.broken.extend(flow);
-                }
-            }
-        }
-    }
-
-    pub(super) fn declare_equation(&mut self, equation: &'a ast::Equation, span: Span) {
-        if self.defines_elements(equation) {
-            return self.declare_elements(equation, span);
-        }
-        let index = self.pending.len();
-        let introduces = equation
-            .targets
-            .iter()
-            .map(|target| self.introduced(target, index));
-        let introduces = introduces.collect();
-        self.pending.push(Pending {
-            block: self.block,
-            goal: Goal::Targets(&equation.targets),
-            value: &equation.value,
-            span,
-            introduces,
-            state: State::Open,
-            indices: Vec::new(),
-        });
-    }
-
-    /// Returns the flow that a target introduces: a plain name that no surrounding block declares.
-    fn introduced(&mut self, target: &ast::Target, index: usize) -> Option<FlowId> {
-        self.hides_no_constant(&target.name);
-        let may = target.path.is_empty() && self.mode == Mode::Rpi && target.name.name != "_";
-        let own = match self.find_in(self.block, &target.name.name) {
-            Some(Local::Flow(flow)) => Some(self.defined_here(flow)),
-            _ => None,
+/// Sets the clocks that declarations state.
+pub(super) fn resolve_clocks_of<'a>(cx: &mut Body<'_, 'a>, vars: &'a [VarDecl]) {
+    for var in vars {
+        let Some(clock) = &var.clock else {
+            continue;
         };
-        let flow = match own {
-            Some(flow) if may && self.waits_for_type(flow) => flow,
-            _ if !may || self.is_declared(&target.name) => return None,
-            _ => self.introduce_flow(&target.name),
-        };
-        let around = self.shared_around(flow);
-        let around: Vec<FlowId> = around.filter(|outer| self.waits_for_type(*outer)).collect();
-        for flow in std::iter::once(flow).chain(around) {
-            self.defined_by[flow.0 as usize] = Some(index);
+        let on = clocked::resolve_clock(cx, clock);
+        for name in &var.names {
+            if let (Some(flow), Some(on)) = (cx.local_flow(&name.name), on) {
+                cx.unit.flows[flow.0 as usize].clock = Some(on);
+            }
         }
-        Some(flow)
     }
+}
 
-    /// Reports an equation that seems to define a constant of the same file.
-    pub(super) fn hides_no_constant(&mut self, name: &Ident) {
-        let Some(id) = self.c.program.own(self.module, &name.name) else {
-            return;
-        };
-        let decl = self.c.program.decl(id);
-        if !matches!(decl.kind, DeclKind::Const(_)) || self.find_local(&name.name).is_some() {
-            return;
+fn declare_statement<'a>(
+    cx: &mut Body<'_, 'a>,
+    statement: &'a Statement,
+    later: &mut Vec<(BlockId, Later<'a>)>,
+) {
+    let block = cx.block;
+    match &statement.kind {
+        StatementKind::Equation(equation) => declare_equation(cx, equation, statement.span),
+        StatementKind::Call(call) => later.push((block, Later::Call(call))),
+        StatementKind::Claim(claim) => {
+            later.push((block, Later::Claim(claim, statement.span)));
         }
-        let finding = Finding::new(Code::RPI1003, format!("`{}` is a constant", name.name))
-            .at(name.span, "a constant cannot be defined by an equation")
-            .also(decl.span, "declared here")
-            .help(format!(
-                "use another name for the new flow: `{}_new = ...;`",
-                name.name
+        StatementKind::End(end) => later.push((block, Later::End(end, statement.span))),
+        StatementKind::Export(flows) => {
+            later.extend(flows.iter().map(|flow| (block, Later::Export(flow))));
+        }
+        StatementKind::Fragment(fragment) => declare_fragment(cx, fragment, later),
+        StatementKind::Automaton(automaton) => {
+            automaton::declare_automaton(cx, automaton, statement.span, later);
+        }
+        StatementKind::Choice(choice) => blocks::declare_equation_block(cx, &choice.means),
+        StatementKind::Keep(keep) => blocks::declare_equation_block(cx, &keep.means),
+        StatementKind::Broken(names) => {
+            for name in names {
+                let flow = match locals::find_local(cx, &name.name) {
+                    None => Some(locals::introduce_flow(cx, name)),
+                    Some(Local::Flow(flow)) => Some(flow),
+                    Some(_) => None,
+                };
+                cx.broken.extend(flow);
+            }
+        }
+    }
+}
+
+pub(super) fn declare_equation<'a>(cx: &mut Body<'_, 'a>, equation: &'a ast::Equation, span: Span) {
+    if elements::defines_elements(cx, equation) {
+        return elements::expand_element_equation(cx, equation, span);
+    }
+    let index = cx.pending.len();
+    let introduces = equation
+        .targets
+        .iter()
+        .map(|target| introduced_flow(cx, target, index));
+    let introduces = introduces.collect();
+    cx.pending.push(Pending {
+        block: cx.block,
+        goal: Goal::Targets(&equation.targets),
+        value: &equation.value,
+        span,
+        introduces,
+        state: State::Open,
+        indices: Vec::new(),
+    });
+}
+
+/// Returns the flow that a target introduces: a plain name that no surrounding block declares.
+fn introduced_flow(cx: &mut Body<'_, '_>, target: &ast::Target, index: usize) -> Option<FlowId> {
+    report_constant_redefinition(cx, &target.name);
+    let may = target.path.is_empty() && cx.mode == Mode::Rpi && target.name.name != "_";
+    let own = match locals::find_in_block(cx, cx.block, &target.name.name) {
+        Some(Local::Flow(flow)) => Some(defaults::defined_flow(cx, flow)),
+        _ => None,
+    };
+    let flow = match own {
+        Some(flow) if may && lacks_type(cx, flow) => flow,
+        _ if !may || is_declared(cx, &target.name) => return None,
+        _ => locals::introduce_flow(cx, &target.name),
+    };
+    let around = automaton::enclosing_shared_flows(cx, flow);
+    let around: Vec<FlowId> = around.filter(|outer| lacks_type(cx, *outer)).collect();
+    for flow in std::iter::once(flow).chain(around) {
+        cx.defined_by[flow.0 as usize] = Some(index);
+    }
+    Some(flow)
+}
+
+/// Reports an equation that seems to define a constant of the same file.
+pub(super) fn report_constant_redefinition(cx: &mut Body<'_, '_>, name: &Ident) {
+    let Some(id) = cx.c.program.own(cx.module, &name.name) else {
+        return;
+    };
+    let decl = cx.c.program.decl(id);
+    if !matches!(decl.kind, DeclKind::Const(_)) || locals::find_local(cx, &name.name).is_some() {
+        return;
+    }
+    let finding = Finding::new(Code::RPI1003, format!("`{}` is a constant", name.name))
+        .at(name.span, "a constant cannot be defined by an equation")
+        .also(decl.span, "declared here")
+        .help(format!(
+            "use another name for the new flow: `{}_new = ...;`",
+            name.name
+        ));
+    report::report_diagnostic(cx, finding);
+}
+
+/// Whether a flow gets its type from an equation that has not been declared yet.
+fn lacks_type(cx: &Body<'_, '_>, flow: FlowId) -> bool {
+    let inferred = cx.unit.flow(flow).optional == Optional::Inferred;
+    inferred && cx.defined_by[flow.0 as usize].is_none()
+}
+
+/// Whether the name of a target is declared in this block, or around it as a name that no equation defines. A
+/// fragment does not define flows of its surroundings, which continue while it is inactive; it gets its own flow of
+/// that name.
+fn is_declared(cx: &Body<'_, '_>, name: &Ident) -> bool {
+    if locals::find_in_block(cx, cx.block, &name.name).is_some() {
+        return true;
+    }
+    match locals::find_local(cx, &name.name) {
+        Some(Local::Flow(flow)) => !cx.unit.flow(flow).role.has_equation(),
+        Some(Local::Constant(_)) => true,
+        _ => false,
+    }
+}
+
+fn declare_fragment<'a>(
+    cx: &mut Body<'_, 'a>,
+    decl: &'a FragmentDecl,
+    later: &mut Vec<(BlockId, Later<'a>)>,
+) {
+    let name = &decl.signature.name;
+    let block = locals::add_block(cx, &name.name, name.span);
+    locals::declare(cx, name, Local::Block(block));
+    later.push((cx.block, Later::Activation(block, decl)));
+    cx.within(block, |body| {
+        if let Some(outputs) = &decl.signature.outputs {
+            outputs.iter().for_each(|var| declare_var(body, var));
+        }
+        if let Some(contract) = &decl.contract {
+            later.push((
+                contract::declare_contract(body, contract),
+                Later::Contract(contract),
             ));
-        self.report(finding);
-    }
-
-    /// Whether a flow gets its type from an equation that has not been declared yet.
-    fn waits_for_type(&self, flow: FlowId) -> bool {
-        let inferred = self.unit.flow(flow).optional == Optional::Inferred;
-        inferred && self.defined_by[flow.0 as usize].is_none()
-    }
-
-    /// Whether the name of a target is declared in this block, or around it as a name that no equation defines. A
-    /// fragment does not define flows of its surroundings, which continue while it is inactive; it gets its own flow of
-    /// that name.
-    fn is_declared(&self, name: &Ident) -> bool {
-        if self.find_in(self.block, &name.name).is_some() {
-            return true;
         }
-        match self.find_local(&name.name) {
-            Some(Local::Flow(flow)) => !self.unit.flow(flow).role.has_equation(),
-            Some(Local::Constant(_)) => true,
-            _ => false,
+        declare_body(body, &decl.body, later);
+    });
+}
+
+fn check_deferred<'a>(cx: &mut Body<'_, 'a>, item: Later<'a>) {
+    match item {
+        Later::Call(call) => check_call(cx, call),
+        Later::Claim(claim, span) => contract::check_claim(cx, claim, span),
+        Later::Contract(contract) => {
+            imported::check_imports(cx, cx.block);
+            contract::check_contract(cx, contract);
         }
+        Later::End(end, span) => check_end(cx, end, span),
+        Later::Export(flow) => check_export(cx, flow),
+        Later::Activation(block, decl) => check_activation(cx, block, decl),
+        Later::Automaton(index, automaton) => automaton::check_automaton(cx, index, automaton),
     }
+}
 
-    fn declare_fragment(&mut self, decl: &'a FragmentDecl, later: &mut Vec<(BlockId, Later<'a>)>) {
-        let name = &decl.signature.name;
-        let block = self.add_block(&name.name, name.span);
-        self.declare(name, Local::Block(block));
-        later.push((self.block, Later::Activation(block, decl)));
-        self.within(block, |body| {
-            if let Some(outputs) = &decl.signature.outputs {
-                outputs.iter().for_each(|var| body.declare_var(var));
-            }
-            if let Some(contract) = &decl.contract {
-                later.push((body.declare_contract(contract), Later::Contract(contract)));
-            }
-            body.declare_body(&decl.body, later);
-        });
+fn check_call<'a>(cx: &mut Body<'_, 'a>, call: &'a ast::Expr) {
+    let value = expr::check_expr(cx, call);
+    let span = call.span;
+    cx.current().equations.push(Equation {
+        targets: Vec::new(),
+        value,
+        span,
+    });
+}
+
+fn check_end<'a>(cx: &mut Body<'_, 'a>, end: &'a ast::End, span: Span) {
+    if !cx.unit.kind.is_root() || cx.block != BlockId::ROOT {
+        let finding = Finding::new(Code::RPI8001, "only the body of a command can end it")
+            .at(span, "not at the top level of a command")
+            .help(
+                "define the condition as a flow here, and end the command by that flow at the top level",
+            );
+        return report::report_diagnostic(cx, finding);
     }
-
-    fn check_later(&mut self, item: Later<'a>) {
-        match item {
-            Later::Call(call) => self.check_call(call),
-            Later::Claim(claim, span) => self.check_claim(claim, span),
-            Later::Contract(contract) => {
-                self.check_imports(self.block);
-                self.check_contract(contract);
-            }
-            Later::End(end, span) => self.check_end(end, span),
-            Later::Export(flow) => self.check_export(flow),
-            Later::Activation(block, decl) => self.check_activation(block, decl),
-            Later::Automaton(index, automaton) => self.check_automaton(index, automaton),
-        }
+    let same = |other: &&End| other.result == end.result.name;
+    if let Some(first) = cx.current().ends.iter().find(same) {
+        let finding = crate::program::twice(&end.result.name, end.result.span, first.span);
+        report::report_diagnostic(cx, finding);
     }
+    let condition = check_condition(cx, &end.condition, "the end of a command");
+    cx.current().ends.push(End {
+        kind: end.kind,
+        result: end.result.name.clone(),
+        condition,
+        span: end.result.span,
+    });
+}
 
-    fn check_call(&mut self, call: &'a ast::Expr) {
-        let value = self.expr(call);
-        let span = call.span;
-        self.current().equations.push(Equation {
-            targets: Vec::new(),
-            value,
-            span,
-        });
-    }
+fn check_export<'a>(cx: &mut Body<'_, 'a>, flow: &'a ast::Dotted) {
+    let value = names::resolve_dotted(cx, flow);
+    let key: Vec<&str> = flow.parts.iter().map(|part| part.name.as_str()).collect();
+    let key = key.join(".");
+    cx.current().exports.push(typed::Export {
+        key,
+        value,
+        span: flow.span,
+    });
+}
 
-    fn check_end(&mut self, end: &'a ast::End, span: Span) {
-        if !self.unit.kind.is_root() || self.block != BlockId::ROOT {
-            let finding = Finding::new(Code::RPI8001, "only the body of a command can end it")
-                .at(span, "not at the top level of a command")
-                .help(
-                    "define the condition as a flow here, and end the command by that flow at the top level",
-                );
-            return self.report(finding);
-        }
-        let same = |other: &&End| other.result == end.result.name;
-        if let Some(first) = self.current().ends.iter().find(same) {
-            let finding = crate::program::twice(&end.result.name, end.result.span, first.span);
-            self.report(finding);
-        }
-        let condition = self.condition(&end.condition, "the end of a command");
-        self.current().ends.push(End {
-            kind: end.kind,
-            result: end.result.name.clone(),
-            condition,
-            span: end.result.span,
-        });
-    }
+fn check_activation<'a>(cx: &mut Body<'_, 'a>, block: BlockId, decl: &'a FragmentDecl) {
+    let when = decl.when.as_ref();
+    let condition = when.map(|w| check_condition(cx, &w.condition, "the activation of a fragment"));
+    let budget_ns = decl
+        .budget
+        .as_ref()
+        .and_then(|budget| consts::const_nanoseconds(cx, budget));
+    let target = &mut cx.unit.blocks[block.0 as usize];
+    target.when = condition;
+    target.restart = when.is_some_and(|w| w.restart);
+    target.budget_ns = budget_ns;
+}
 
-    fn check_export(&mut self, flow: &'a ast::Dotted) {
-        let value = self.dotted(flow);
-        let key: Vec<&str> = flow.parts.iter().map(|part| part.name.as_str()).collect();
-        let key = key.join(".");
-        self.current().exports.push(typed::Export {
-            key,
-            value,
-            span: flow.span,
-        });
-    }
+/// Checks a condition; `of` is its role in the message.
+pub(super) fn check_condition<'a>(
+    cx: &mut Body<'_, 'a>,
+    condition: &'a ast::Expr,
+    of: &str,
+) -> ExprId {
+    let id = expr::check_expr(cx, condition);
+    let wanted = Wanted::By(Span::NONE, format!("{of} must be a Boolean condition"));
+    expect_type(cx, id, &Ty::Bool, &wanted);
+    id
+}
 
-    fn check_activation(&mut self, block: BlockId, decl: &'a FragmentDecl) {
-        let when = decl.when.as_ref();
-        let condition = when.map(|w| self.condition(&w.condition, "the activation of a fragment"));
-        let budget_ns = decl
-            .budget
-            .as_ref()
-            .and_then(|budget| self.nanoseconds(budget));
-        let target = &mut self.unit.blocks[block.0 as usize];
-        target.when = condition;
-        target.restart = when.is_some_and(|w| w.restart);
-        target.budget_ns = budget_ns;
-    }
-
-    /// Checks a condition; `of` is its role in the message.
-    pub(super) fn condition(&mut self, condition: &'a ast::Expr, of: &str) -> ExprId {
-        let id = self.expr(condition);
-        let wanted = Wanted::By(Span::NONE, format!("{of} must be a Boolean condition"));
-        self.expect(id, &Ty::Bool, &wanted);
-        id
-    }
-
-    /// Checks that an expression has an expected type; reports a mismatch.
-    pub(super) fn expect(&mut self, id: ExprId, expected: &Ty, wanted: &Wanted) -> bool {
-        self.suits(id, expected);
-        let result = fit(expected, self.ty_of(id), &mut Subst::default());
-        match result {
-            Ok(()) => self.angle_has_unit(id, expected),
-            Err(misfit) => {
-                self.misfit(id, expected, &misfit, wanted);
-                false
-            }
+/// Checks that an expression has an expected type; reports a mismatch.
+pub(super) fn expect_type(
+    cx: &mut Body<'_, '_>,
+    id: ExprId,
+    expected: &Ty,
+    wanted: &Wanted,
+) -> bool {
+    time::convert_time_for(cx, id, expected);
+    let result = fit(expected, cx.ty_of(id), &mut Subst::default());
+    match result {
+        Ok(()) => expr::check_angle_unit(cx, id, expected),
+        Err(misfit) => {
+            report::type_mismatch(cx, id, expected, &misfit, wanted);
+            false
         }
     }
 }

@@ -1,9 +1,19 @@
 //! Static arguments: the arguments in `<<...>>`, bound to static parameters.
 
+use super::alias;
+use super::args;
 use super::args::Given;
 use super::body::Body;
+use super::call;
 use super::callable::Callable;
+use super::consts;
+use super::expr;
+use super::report;
 use super::report::{listed, unknown};
+use super::statement;
+use super::subrange;
+use super::types;
+use super::unit;
 use super::{Checker, Constant};
 use crate::program::{DeclId, DeclKind};
 use crate::ty::{Subst, Ty, fit};
@@ -132,305 +142,314 @@ pub(super) struct Bound<'a> {
     pub(super) faulty: bool,
 }
 
-impl<'a> Body<'_, 'a> {
-    /// Binds static arguments to the parameters of a declaration. Arguments without a static parameter are left for its
-    /// ports.
-    pub(super) fn bind(&mut self, id: DeclId, args: &'a [StaticArg]) -> Bound<'a> {
-        let params = self.c.params_of(id);
-        let mut bound = Bound {
-            statics: Statics::new(),
-            ports: Vec::new(),
-            faulty: false,
+/// Binds static arguments to the parameters of a declaration. Arguments without a static parameter are left for its
+/// ports.
+pub(super) fn bind_statics<'a>(
+    cx: &mut Body<'_, 'a>,
+    id: DeclId,
+    args: &'a [StaticArg],
+) -> Bound<'a> {
+    let params = cx.c.params_of(id);
+    let mut bound = Bound {
+        statics: Statics::new(),
+        ports: Vec::new(),
+        faulty: false,
+    };
+    let mut places = params.iter();
+    for arg in args {
+        let param = match &arg.name {
+            None => places.next().copied(),
+            Some(name) => params.iter().copied().find(|p| p.name().name == name.name),
         };
-        let mut places = params.iter();
-        for arg in args {
-            let param = match &arg.name {
-                None => places.next().copied(),
-                Some(name) => params.iter().copied().find(|p| p.name().name == name.name),
-            };
-            if let (None, StaticValue::Expr(value)) = (&arg.name, &arg.value)
-                && self.named_by_eq(id, value)
-            {
-                bound.faulty = true;
-                continue;
-            }
-            match (param, &arg.name) {
-                (Some(param), _) => self.bind_one(id, param, arg, &mut bound),
-                (None, Some(name)) => self.bind_port(Some(name), arg, &mut bound),
-                (None, None) if self.may_be_for_port(id, &params, arg) => {
-                    self.bind_port(None, arg, &mut bound);
-                }
-                (None, None) => {
-                    self.too_many(id, params.len(), arg.span);
-                    bound.faulty = true;
-                }
-            }
-        }
-        bound
-    }
-
-    /// Binds the arguments for `const` in-ports that determine sizes; returns the other arguments.
-    pub(super) fn bind_sizes(
-        &mut self,
-        id: DeclId,
-        args: &'a [Arg],
-        bound: &mut Bound<'a>,
-    ) -> Vec<&'a Arg> {
-        let DeclKind::Node(node) = self.c.program.decl(id).kind else {
-            return args.iter().collect();
-        };
-        let ports = node
-            .signature
-            .inputs
-            .iter()
-            .flatten()
-            .flat_map(|port| &port.names);
-        let ports: Vec<&'a Ident> = ports.collect();
-        let sizes = size_params(node);
-        let mut left = Vec::new();
-        for (k, arg) in args.iter().enumerate() {
-            let port = match &arg.name {
-                Some(name) => Some(name),
-                None => ports.get(k).copied(),
-            };
-            let size = sizes
-                .iter()
-                .find(|size| port.is_some_and(|port| port.name == size.name().name));
-            match size {
-                Some(Param::Value(name, def)) => self.bind_size(id, name, def, arg, bound),
-                _ => left.push(arg),
-            }
-        }
-        left
-    }
-
-    fn bind_size(
-        &mut self,
-        id: DeclId,
-        name: &Ident,
-        def: &'a ConstDef,
-        arg: &'a Arg,
-        bound: &mut Bound<'a>,
-    ) {
-        let ty = self.c.static_ty(id, def, &bound.statics);
-        match self.constant_of(&arg.value, &ty) {
-            Some(leaves) => {
-                bound
-                    .statics
-                    .insert(name.name.clone(), Static::Value(Constant { ty, leaves }));
-            }
-            None => bound.faulty = true,
-        }
-    }
-
-    /// Whether a positional argument after those of the static parameters may be for an in-port:
-    /// `on_delay<<500[ms]>>(x)`.
-    fn may_be_for_port(&self, id: DeclId, params: &[Param<'_>], arg: &StaticArg) -> bool {
-        let has_values = params.iter().any(|param| !matches!(param, Param::Type(..)));
-        let has_ports = self.c.ports_of(id).next().is_some();
-        self.is_rpi() && !has_values && has_ports && matches!(arg.value, StaticValue::Expr(_))
-    }
-
-    /// Binds an argument to an in-port; without a name to the first in-port that has no argument in `(...)`.
-    fn bind_port(&mut self, name: Option<&'a Ident>, arg: &'a StaticArg, bound: &mut Bound<'a>) {
-        let Some(value) = self.static_expr(arg) else {
-            bound.faulty = true;
-            return;
-        };
-        bound.ports.push(Given {
-            name,
-            value,
-            is_static: true,
-        });
-    }
-
-    fn static_expr(&mut self, arg: &'a StaticArg) -> Option<ExprId> {
-        match &arg.value {
-            StaticValue::Expr(expr) => Some(self.expr(expr)),
-            _ => {
-                let finding = Finding::new(Code::RPI1010, "a value is expected here")
-                    .at(arg.span, "not a value");
-                self.report(finding);
-                None
-            }
-        }
-    }
-
-    /// Adds to the reported error of `f<<bool>>` the parameter that expects a value.
-    fn wants_value(&mut self, id: DeclId, name: &Ident, arg: &StaticArg) {
-        let of = &self.c.program.decl(id).name;
-        let what = match &arg.value {
-            StaticValue::Type(_) => "this is a type",
-            StaticValue::Op(_) => "this is an operator",
-            _ => "this is a callable",
-        };
-        let text = format!("`{}` of `{of}` is declared here", name.name);
-        if let Some(finding) = self.findings.last_mut() {
-            if let Some(label) = finding.labels.first_mut() {
-                label.text = what.to_owned();
-            }
-            *finding = finding.clone().also(name.span, text);
-        }
-    }
-
-    fn too_many(&mut self, id: DeclId, count: usize, span: Span) {
-        let decl = self.c.program.decl(id);
-        let finding = Finding::new(
-            Code::RPI1010,
-            format!(
-                "too many static arguments for `{}`: expected {count}",
-                decl.name
-            ),
-        )
-        .at(span, "unexpected argument")
-        .also(decl.span, "declared here");
-        self.report(finding);
-    }
-
-    fn bind_one(
-        &mut self,
-        id: DeclId,
-        param: Param<'a>,
-        arg: &'a StaticArg,
-        bound: &mut Bound<'a>,
-    ) {
-        let name = param.name();
-        let value = match param {
-            Param::Type(..) => self.static_type(arg).map(Static::Ty),
-            Param::Node(signature) => {
-                let known = bound.statics.clone();
-                let callable = self.static_callable(arg);
-                let callable = callable.and_then(|callable| self.leaves_the_body(callable));
-                callable.map(|callable| {
-                    let misfit = self.unlike(id, &known, signature, &callable, arg.span);
-                    Static::Callee(callable, misfit.map(Rc::new))
-                })
-            }
-            Param::Value(_, def) => {
-                let Some(value) = self.static_expr(arg) else {
-                    self.wants_value(id, name, arg);
-                    bound.faulty = true;
-                    return;
-                };
-                Some(self.bind_value(id, def, name, value, bound))
-            }
-        };
-        match value {
-            Some(value) => {
-                bound.statics.insert(name.name.clone(), value);
-            }
-            None => bound.faulty = true,
-        }
-    }
-
-    /// Binds a value. A value that distinguishes instances becomes part of the instance; others remain flows.
-    fn bind_value(
-        &mut self,
-        id: DeclId,
-        def: &'a ConstDef,
-        name: &'a Ident,
-        value: ExprId,
-        bound: &mut Bound<'a>,
-    ) -> Static {
-        let ty = self.c.static_ty(id, def, &bound.statics);
-        let wanted = super::report::Wanted::By(name.span, format!("`{}` is `{ty}`", name.name));
-        self.expect(value, &ty, &wanted);
-        if tells_apart(&ty)
-            && let Some(leaves) = self.fold_quietly(value)
+        if let (None, StaticValue::Expr(value)) = (&arg.name, &arg.value)
+            && args::report_arg_named_by_eq(cx, id, value)
         {
-            bound.faulty |= !self.is_in_subranges(&leaves, &ty, self.span_of(value));
-            return Static::Value(Constant { ty, leaves });
+            bound.faulty = true;
+            continue;
         }
-        bound.ports.push(Given {
-            name: Some(name),
-            value,
-            is_static: true,
-        });
-        Static::Opaque
-    }
-
-    pub(super) fn static_type(&mut self, arg: &'a StaticArg) -> Option<Ty> {
-        match &arg.value {
-            StaticValue::Type(ty) => Some(self.ty(ty)),
-            StaticValue::Expr(expr) => self.type_by_name(expr),
-            _ => {
-                let finding = Finding::new(Code::RPI1010, "a type is expected here")
-                    .at(arg.span, "not a type");
-                self.report(finding);
-                None
+        match (param, &arg.name) {
+            (Some(param), _) => bind_param(cx, id, param, arg, &mut bound),
+            (None, Some(name)) => bind_port(cx, Some(name), arg, &mut bound),
+            (None, None) if may_be_for_port(cx, id, &params, arg) => {
+                bind_port(cx, None, arg, &mut bound);
+            }
+            (None, None) => {
+                too_many_static_args(cx, id, params.len(), arg.span);
+                bound.faulty = true;
             }
         }
     }
+    bound
+}
 
-    /// Resolves a type whose name was parsed as an expression.
-    fn type_by_name(&mut self, expr: &'a Expr) -> Option<Ty> {
-        let ExprKind::Name(name) = &expr.kind else {
-            let finding = Finding::new(Code::RPI1010, "a type is expected here")
-                .at(expr.span, "this is a value")
-                .fix(Fix::maybe("mark it as a type").insert_before(expr.span, "type "));
-            self.report(finding);
-            return None;
+/// Binds the arguments for `const` in-ports that determine sizes; returns the other arguments.
+pub(super) fn bind_sizes<'a>(
+    cx: &mut Body<'_, 'a>,
+    id: DeclId,
+    args: &'a [Arg],
+    bound: &mut Bound<'a>,
+) -> Vec<&'a Arg> {
+    let DeclKind::Node(node) = cx.c.program.decl(id).kind else {
+        return args.iter().collect();
+    };
+    let ports = node
+        .signature
+        .inputs
+        .iter()
+        .flatten()
+        .flat_map(|port| &port.names);
+    let ports: Vec<&'a Ident> = ports.collect();
+    let sizes = size_params(node);
+    let mut left = Vec::new();
+    for (k, arg) in args.iter().enumerate() {
+        let port = match &arg.name {
+            Some(name) => Some(name),
+            None => ports.get(k).copied(),
         };
-        self.ty_named(name, expr.span)
+        let size = sizes
+            .iter()
+            .find(|size| port.is_some_and(|port| port.name == size.name().name));
+        match size {
+            Some(Param::Value(name, def)) => bind_size(cx, id, name, def, arg, bound),
+            _ => left.push(arg),
+        }
     }
+    left
+}
 
-    fn static_callable(&mut self, arg: &'a StaticArg) -> Option<Callable> {
-        match &arg.value {
-            StaticValue::Op(op) => Some(Callable::Op(*op)),
-            StaticValue::Callee(callee) => {
-                self.callable(&callee.name.name, &callee.statics, callee.span)
-            }
-            StaticValue::Expr(Expr {
-                kind: ExprKind::Name(name),
-                span,
-            }) => self.callable(name, &[], *span),
-            _ => {
-                let finding = Finding::new(Code::RPI1010, "a node is expected here")
-                    .at(arg.span, "not a node");
-                self.report(finding);
-                None
+fn bind_size<'a>(
+    cx: &mut Body<'_, 'a>,
+    id: DeclId,
+    name: &Ident,
+    def: &'a ConstDef,
+    arg: &'a Arg,
+    bound: &mut Bound<'a>,
+) {
+    let ty = cx.c.static_ty(id, def, &bound.statics);
+    match consts::const_value(cx, &arg.value, &ty) {
+        Some(leaves) => {
+            bound
+                .statics
+                .insert(name.name.clone(), Static::Value(Constant { ty, leaves }));
+        }
+        None => bound.faulty = true,
+    }
+}
+
+/// Whether a positional argument after those of the static parameters may be for an in-port:
+/// `on_delay<<500[ms]>>(x)`.
+fn may_be_for_port(cx: &Body<'_, '_>, id: DeclId, params: &[Param<'_>], arg: &StaticArg) -> bool {
+    let has_values = params.iter().any(|param| !matches!(param, Param::Type(..)));
+    let has_ports = cx.c.ports_of(id).next().is_some();
+    unit::reads_rpi_syntax(cx)
+        && !has_values
+        && has_ports
+        && matches!(arg.value, StaticValue::Expr(_))
+}
+
+/// Binds an argument to an in-port; without a name to the first in-port that has no argument in `(...)`.
+fn bind_port<'a>(
+    cx: &mut Body<'_, 'a>,
+    name: Option<&'a Ident>,
+    arg: &'a StaticArg,
+    bound: &mut Bound<'a>,
+) {
+    let Some(value) = static_expr(cx, arg) else {
+        bound.faulty = true;
+        return;
+    };
+    bound.ports.push(Given {
+        name,
+        value,
+        is_static: true,
+    });
+}
+
+fn static_expr<'a>(cx: &mut Body<'_, 'a>, arg: &'a StaticArg) -> Option<ExprId> {
+    match &arg.value {
+        StaticValue::Expr(expr) => Some(expr::check_expr(cx, expr)),
+        _ => {
+            let finding =
+                Finding::new(Code::RPI1010, "a value is expected here").at(arg.span, "not a value");
+            report::report_diagnostic(cx, finding);
+            None
+        }
+    }
+}
+
+/// Adds to the reported error of `f<<bool>>` the parameter that expects a value.
+fn expected_value_hint(cx: &mut Body<'_, '_>, id: DeclId, name: &Ident, arg: &StaticArg) {
+    let of = &cx.c.program.decl(id).name;
+    let what = match &arg.value {
+        StaticValue::Type(_) => "this is a type",
+        StaticValue::Op(_) => "this is an operator",
+        _ => "this is a callable",
+    };
+    let text = format!("`{}` of `{of}` is declared here", name.name);
+    if let Some(finding) = cx.findings.last_mut() {
+        if let Some(label) = finding.labels.first_mut() {
+            label.text = what.to_owned();
+        }
+        *finding = finding.clone().also(name.span, text);
+    }
+}
+
+fn too_many_static_args(cx: &mut Body<'_, '_>, id: DeclId, count: usize, span: Span) {
+    let decl = cx.c.program.decl(id);
+    let finding = Finding::new(
+        Code::RPI1010,
+        format!(
+            "too many static arguments for `{}`: expected {count}",
+            decl.name
+        ),
+    )
+    .at(span, "unexpected argument")
+    .also(decl.span, "declared here");
+    report::report_diagnostic(cx, finding);
+}
+
+fn bind_param<'a>(
+    cx: &mut Body<'_, 'a>,
+    id: DeclId,
+    param: Param<'a>,
+    arg: &'a StaticArg,
+    bound: &mut Bound<'a>,
+) {
+    let name = param.name();
+    let value = match param {
+        Param::Type(..) => static_type(cx, arg).map(Static::Ty),
+        Param::Node(signature) => {
+            let known = bound.statics.clone();
+            let callable = static_callable(cx, arg);
+            let callable = callable.and_then(|callable| call::require_portable(cx, callable));
+            callable.map(|callable| {
+                let misfit = port_mismatch(cx, id, &known, signature, &callable, arg.span);
+                Static::Callee(callable, misfit.map(Rc::new))
+            })
+        }
+        Param::Value(_, def) => {
+            let Some(value) = static_expr(cx, arg) else {
+                expected_value_hint(cx, id, name, arg);
+                bound.faulty = true;
+                return;
+            };
+            Some(bind_value(cx, id, def, name, value, bound))
+        }
+    };
+    match value {
+        Some(value) => {
+            bound.statics.insert(name.name.clone(), value);
+        }
+        None => bound.faulty = true,
+    }
+}
+
+/// Binds a value. A value that distinguishes instances becomes part of the instance; others remain flows.
+fn bind_value<'a>(
+    cx: &mut Body<'_, 'a>,
+    id: DeclId,
+    def: &'a ConstDef,
+    name: &'a Ident,
+    value: ExprId,
+    bound: &mut Bound<'a>,
+) -> Static {
+    let ty = cx.c.static_ty(id, def, &bound.statics);
+    let wanted = super::report::Wanted::By(name.span, format!("`{}` is `{ty}`", name.name));
+    statement::expect_type(cx, value, &ty, &wanted);
+    if tells_apart(&ty)
+        && let Some(leaves) = consts::fold_silently(cx, value)
+    {
+        bound.faulty |= !subrange::is_in_subranges(cx, &leaves, &ty, cx.span_of(value));
+        return Static::Value(Constant { ty, leaves });
+    }
+    bound.ports.push(Given {
+        name: Some(name),
+        value,
+        is_static: true,
+    });
+    Static::Opaque
+}
+
+pub(super) fn static_type<'a>(cx: &mut Body<'_, 'a>, arg: &'a StaticArg) -> Option<Ty> {
+    match &arg.value {
+        StaticValue::Type(ty) => Some(types::resolve_type(cx, ty)),
+        StaticValue::Expr(expr) => type_by_name(cx, expr),
+        _ => {
+            let finding =
+                Finding::new(Code::RPI1010, "a type is expected here").at(arg.span, "not a type");
+            report::report_diagnostic(cx, finding);
+            None
+        }
+    }
+}
+
+/// Resolves a type whose name was parsed as an expression.
+fn type_by_name<'a>(cx: &mut Body<'_, 'a>, expr: &'a Expr) -> Option<Ty> {
+    let ExprKind::Name(name) = &expr.kind else {
+        let finding = Finding::new(Code::RPI1010, "a type is expected here")
+            .at(expr.span, "this is a value")
+            .fix(Fix::maybe("mark it as a type").insert_before(expr.span, "type "));
+        report::report_diagnostic(cx, finding);
+        return None;
+    };
+    types::type_by_plain_name(cx, name, expr.span)
+}
+
+fn static_callable<'a>(cx: &mut Body<'_, 'a>, arg: &'a StaticArg) -> Option<Callable> {
+    match &arg.value {
+        StaticValue::Op(op) => Some(Callable::Op(*op)),
+        StaticValue::Callee(callee) => {
+            call::resolve_callable(cx, &callee.name.name, &callee.statics, callee.span)
+        }
+        StaticValue::Expr(Expr {
+            kind: ExprKind::Name(name),
+            span,
+        }) => call::resolve_callable(cx, name, &[], *span),
+        _ => {
+            let finding =
+                Finding::new(Code::RPI1010, "a node is expected here").at(arg.span, "not a node");
+            report::report_diagnostic(cx, finding);
+            None
+        }
+    }
+}
+
+/// Returns the diagnostic for a callable whose ports differ from those of a node parameter, as far as both are
+/// known.
+fn port_mismatch<'a>(
+    cx: &mut Body<'_, 'a>,
+    id: DeclId,
+    statics: &Statics,
+    signature: &'a Signature,
+    callable: &Callable,
+    span: Span,
+) -> Option<Finding> {
+    let ports = alias::callable_ports(cx, callable, span)?;
+    let wanted = [&signature.inputs, &signature.outputs];
+    for (wanted, given) in wanted.into_iter().zip([&ports.inputs, &ports.outputs]) {
+        let wanted =
+            cx.c.types_in(id, statics, wanted.as_deref().unwrap_or_default());
+        if wanted.len() != given.len() {
+            let counts = (wanted.len(), given.len());
+            return Some(wrong_node(signature, span, "number of ports", counts));
+        }
+        for (wanted, given) in wanted.iter().zip(given) {
+            if fit(wanted, &given.ty, &mut Subst::default()).is_err() {
+                return Some(wrong_node(
+                    signature,
+                    span,
+                    &given.name,
+                    (wanted, &given.ty),
+                ));
             }
         }
     }
+    None
+}
 
-    /// Returns the diagnostic for a callable whose ports differ from those of a node parameter, as far as both are
-    /// known.
-    fn unlike(
-        &mut self,
-        id: DeclId,
-        statics: &Statics,
-        signature: &'a Signature,
-        callable: &Callable,
-        span: Span,
-    ) -> Option<Finding> {
-        let ports = self.ports_of(callable, span)?;
-        let wanted = [&signature.inputs, &signature.outputs];
-        for (wanted, given) in wanted.into_iter().zip([&ports.inputs, &ports.outputs]) {
-            let wanted = self
-                .c
-                .types_in(id, statics, wanted.as_deref().unwrap_or_default());
-            if wanted.len() != given.len() {
-                let counts = (wanted.len(), given.len());
-                return Some(wrong_node(signature, span, "number of ports", counts));
-            }
-            for (wanted, given) in wanted.iter().zip(given) {
-                if fit(wanted, &given.ty, &mut Subst::default()).is_err() {
-                    return Some(wrong_node(
-                        signature,
-                        span,
-                        &given.name,
-                        (wanted, &given.ty),
-                    ));
-                }
-            }
-        }
-        None
-    }
-
-    /// Resolves a callable that is passed as a static argument.
-    pub(super) fn static_callee(&mut self, arg: &'a StaticArg) -> Option<Callable> {
-        self.static_callable(arg)
-    }
+/// Resolves a callable that is passed as a static argument.
+pub(super) fn static_callee<'a>(cx: &mut Body<'_, 'a>, arg: &'a StaticArg) -> Option<Callable> {
+    static_callable(cx, arg)
 }
 
 impl<'a> Checker<'a> {
@@ -458,7 +477,7 @@ impl<'a> Checker<'a> {
         body.in_signature = true;
         let mut types = Vec::new();
         for port in ports {
-            let ty = body.ty(&port.ty);
+            let ty = types::resolve_type(&mut body, &port.ty);
             types.extend(port.names.iter().map(|_| ty.clone()));
         }
         types
@@ -474,7 +493,7 @@ impl<'a> Checker<'a> {
             body.in_signature = true;
             let ports = signature.inputs.iter().chain(&signature.outputs).flatten();
             for port in ports {
-                body.ty(&port.ty);
+                types::resolve_type(&mut body, &port.ty);
             }
             body.leave();
         }
@@ -484,9 +503,9 @@ impl<'a> Checker<'a> {
         let mut body = self.signature_body(id, statics);
         body.in_signature = true;
         match (&def.ty, &def.value) {
-            (Some(ty), _) => body.ty(ty),
+            (Some(ty), _) => types::resolve_type(&mut body, ty),
             (None, Some(value)) => {
-                let value = body.expr(value);
+                let value = expr::check_expr(&mut body, value);
                 body.ty_of(value).clone()
             }
             (None, None) => Ty::Unknown,
@@ -542,7 +561,7 @@ impl<'a> Checker<'a> {
         }
         let leaves = self.nested(|checker| {
             let mut body = checker.signature_body(id, statics);
-            body.constant_of(value, &ty)
+            consts::const_value(&mut body, value, &ty)
         })?;
         Some(Static::Value(Constant { ty, leaves }))
     }

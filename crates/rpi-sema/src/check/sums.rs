@@ -2,6 +2,7 @@
 //! cycle too late or too early.
 
 use super::body::Body;
+use super::unit;
 use crate::hash::Map;
 use crate::typed::{Each, ExprId, FlowId, Kind, Place, PrimCall, Unit};
 use rpi_diag::{Code, Finding, Fix, Span};
@@ -11,31 +12,29 @@ use rpi_syntax::ast;
 /// Maximum number of expressions examined for one flow.
 const EFFORT: usize = 200;
 
-impl Body<'_, '_> {
-    /// Records a flow if it is declared in seconds.
-    pub(super) fn notes_seconds(&mut self, flow: FlowId, ty: &ast::Type) {
-        if self.unit.flow(flow).ty == super::time::SECONDS && self.is_rpi() {
-            self.seconds.push((flow, ty.span));
-        }
+/// Records a flow if it is declared in seconds.
+pub(super) fn record_seconds(cx: &mut Body<'_, '_>, flow: FlowId, ty: &ast::Type) {
+    if cx.unit.flow(flow).ty == super::time::SECONDS && unit::reads_rpi_syntax(cx) {
+        cx.seconds.push((flow, ty.span));
     }
+}
 
-    /// Warns about flows declared in seconds that add a time to their previous value.
-    pub(super) fn check_sums(&mut self) {
-        if self.seconds.is_empty() {
-            return;
-        }
-        let mut sums = Sums::of(&self.unit, &self.shares);
-        let mut findings = Vec::new();
-        for (flow, declared) in &self.seconds {
-            sums.left = EFFORT;
-            let values = sums.defined.get(flow).cloned().unwrap_or_default();
-            let found = values
-                .iter()
-                .find_map(|value| sums.adds_a_time(*flow, *value));
-            findings.extend(found.map(|at| rounded(&self.unit, *flow, *declared, at)));
-        }
-        self.findings.append(&mut findings);
+/// Warns about flows declared in seconds that add a time to their previous value.
+pub(super) fn check_time_sums(cx: &mut Body<'_, '_>) {
+    if cx.seconds.is_empty() {
+        return;
     }
+    let mut sums = Sums::of(&cx.unit, &cx.shares);
+    let mut findings = Vec::new();
+    for (flow, declared) in &cx.seconds {
+        sums.left = EFFORT;
+        let values = sums.defined.get(flow).cloned().unwrap_or_default();
+        let found = values
+            .iter()
+            .find_map(|value| sums.adds_a_time(*flow, *value));
+        findings.extend(found.map(|at| rounded(&cx.unit, *flow, *declared, at)));
+    }
+    cx.findings.append(&mut findings);
 }
 
 fn rounded(unit: &Unit, flow: FlowId, declared: Span, sum: ExprId) -> Finding {

@@ -9,6 +9,7 @@ use super::Checker;
 use super::body::Body;
 use super::constraint::written;
 use super::header::Header;
+use super::prim;
 use super::statics::Param;
 use crate::program::{DeclId, DeclKind};
 use crate::ty::Ty;
@@ -103,212 +104,214 @@ fn is_whole(unit: &Unit, id: ExprId, ty: &Ty) -> bool {
     whole(unit, id, ty).is_some()
 }
 
-impl<'a> Body<'_, 'a> {
-    /// Turns a time into seconds.
-    pub(super) fn in_seconds(&mut self, id: ExprId) {
-        if *self.ty_of(id) != Ty::Duration {
-            return;
+/// Turns a time into seconds.
+pub(super) fn convert_to_seconds(cx: &mut Body<'_, '_>, id: ExprId) {
+    if *cx.ty_of(id) != Ty::Duration {
+        return;
+    }
+    let base = whole(&cx.unit, id, &Ty::Duration);
+    let converted = base.map(|base| match &cx.unit.expr(base).kind {
+        // The core provides these values in seconds, too.
+        Kind::Prim(call) if call.prim == prim!("Rpi::PeriodTicks") => {
+            prim_call(prim!("Core::CycleTime"), None)
         }
-        let base = whole(&self.unit, id, &Ty::Duration);
-        let converted = base.map(|base| match &self.unit.expr(base).kind {
-            // The core provides these values in seconds, too.
-            Kind::Prim(call) if call.prim == prim!("Rpi::PeriodTicks") => {
-                prim_call(prim!("Core::CycleTime"), None)
-            }
-            Kind::Prim(call) if call.prim == prim!("Rpi::Elapsed") => {
-                prim_call(prim!("Rpi::Time"), None)
-            }
-            _ => prim_call(prim!("Rpi::SecondsFromTicks"), Some(base)),
-        });
-        let expr = &mut self.unit.exprs[id.0 as usize];
-        expr.ty = SECONDS;
-        if let Some(kind) = converted {
-            expr.kind = kind;
-        } else if let Kind::Prim(call) = &expr.kind
-            && let (true, [Some(base)]) = (call.prim == prim!("Rpi::WholeTicks"), &call.inputs[..])
-        {
-            // An earlier conversion is undone rather than converted back, because it has rounded.
-            expr.kind = Kind::Part { base: *base, at: 0 };
+        Kind::Prim(call) if call.prim == prim!("Rpi::Elapsed") => {
+            prim_call(prim!("Rpi::Time"), None)
+        }
+        _ => prim_call(prim!("Rpi::SecondsFromTicks"), Some(base)),
+    });
+    let expr = &mut cx.unit.exprs[id.0 as usize];
+    expr.ty = SECONDS;
+    if let Some(kind) = converted {
+        expr.kind = kind;
+    } else if let Kind::Prim(call) = &expr.kind
+        && let (true, [Some(base)]) = (call.prim == prim!("Rpi::WholeTicks"), &call.inputs[..])
+    {
+        // An earlier conversion is undone rather than converted back, because it has rounded.
+        expr.kind = Kind::Part { base: *base, at: 0 };
+    }
+}
+
+/// Turns seconds that are fixed at load time, or chosen among such values, into whole ticks, rounded up; returns
+/// whether they are.
+pub(super) fn convert_to_ticks(cx: &mut Body<'_, '_>, id: ExprId) -> bool {
+    let Some(parts) = fixed_alternatives(cx, id) else {
+        return false;
+    };
+    for part in parts {
+        let base = whole(&cx.unit, part, &SECONDS);
+        let expr = &mut cx.unit.exprs[part.0 as usize];
+        expr.ty = Ty::Duration;
+        if let Some(base) = base {
+            expr.kind = prim_call(prim!("Rpi::WholeTicks"), Some(base));
         }
     }
+    true
+}
 
-    /// Turns seconds that are fixed at load time, or chosen among such values, into whole ticks, rounded up; returns
-    /// whether they are.
-    pub(super) fn in_ticks(&mut self, id: ExprId) -> bool {
-        let Some(parts) = self.fixed_parts(id) else {
-            return false;
-        };
-        for part in parts {
-            let base = whole(&self.unit, part, &SECONDS);
-            let expr = &mut self.unit.exprs[part.0 as usize];
-            expr.ty = Ty::Duration;
-            if let Some(base) = base {
-                expr.kind = prim_call(prim!("Rpi::WholeTicks"), Some(base));
-            }
+/// Returns an expression in seconds with all its alternatives, as of `if` or `merge`, if all of them are fixed at
+/// load time as far as their direct operands show.
+pub(super) fn fixed_alternatives(cx: &Body<'_, '_>, id: ExprId) -> Option<Vec<ExprId>> {
+    let mut parts = Vec::new();
+    let mut open = vec![id];
+    while let Some(id) = open.pop() {
+        let expr = cx.unit.expr(id);
+        // `none` has any type.
+        if expr.ty.is_unknown() && !parts.is_empty() {
+            continue;
         }
-        true
-    }
-
-    /// Returns an expression in seconds with all its alternatives, as of `if` or `merge`, if all of them are fixed at
-    /// load time as far as their direct operands show.
-    pub(super) fn fixed_parts(&self, id: ExprId) -> Option<Vec<ExprId>> {
-        let mut parts = Vec::new();
-        let mut open = vec![id];
-        while let Some(id) = open.pop() {
-            let expr = self.unit.expr(id);
-            // `none` has any type.
-            if expr.ty.is_unknown() && !parts.is_empty() {
-                continue;
-            }
-            if expr.ty != SECONDS || parts.len() > MOST_PARTS {
-                return None;
-            }
-            parts.push(id);
-            match &expr.kind {
-                Kind::Literal(_) | Kind::Fault => {}
-                Kind::Each(each, operands) => {
-                    open.extend(operands.iter().skip(usize::from(*each == Each::If)));
-                }
-                Kind::When { value, .. } | Kind::Current(value) => open.push(*value),
-                Kind::Merge { cases, .. } => open.extend(cases.iter().map(|case| case.1)),
-                _ if is_whole(&self.unit, id, &SECONDS) => {}
-                _ => return None,
-            }
-        }
-        Some(parts)
-    }
-
-    /// Converts a time and a real to a common type: a fixed duration to ticks, otherwise the time to seconds.
-    pub(super) fn times_meet(&mut self, a: ExprId, b: ExprId) {
-        for (time, other) in [(a, b), (b, a)] {
-            let is_real = matches!(self.ty_of(other), Ty::Real(_));
-            if *self.ty_of(time) == Ty::Duration && is_real && !self.in_ticks(other) {
-                self.in_seconds(time);
-            }
-        }
-    }
-
-    /// Converts an expression between seconds and ticks as its expected type requires.
-    pub(super) fn suits(&mut self, id: ExprId, wanted: &Ty) {
-        match wanted {
-            Ty::Real(_) => self.in_seconds(id),
-            Ty::Duration => _ = self.in_ticks(id),
-            _ => {}
-        }
-    }
-
-    /// Converts an argument for a port of the type `time`: seconds become whole ticks, rounded up, even if they change
-    /// at run time.
-    fn ticks_given(&mut self, id: ExprId) -> ExprId {
-        if *self.ty_of(id) != SECONDS || self.in_ticks(id) {
-            return id;
-        }
-        self.ticks_from(id, self.span_of(id))
-    }
-
-    /// Adds the conversion `time(x)` from seconds to whole ticks, rounded up.
-    pub(super) fn ticks_from(&mut self, x: ExprId, span: Span) -> ExprId {
-        self.prim_typed(prim!("Rpi::TicksFromSeconds"), &[x], Ty::Duration, span)
-    }
-
-    /// Converts the operands of an operator, one of which is a time. Returns whether the operator works on times, or on
-    /// a time and an integer; otherwise the operands become seconds, unless one is a Boolean, an integer or an enum
-    /// value.
-    fn operands_meet(&mut self, op: BinaryOp, left: ExprId, right: ExprId) -> bool {
-        if matches!(op, Add | Sub | Mod | IntDiv | Lt | Le | Gt | Ge) {
-            self.times_meet(left, right);
-        }
-        match (self.ty_of(left), self.ty_of(right)) {
-            (Ty::Duration, Ty::Duration) if !matches!(op, Mul | Div | Pow) => return true,
-            (Ty::Duration, Ty::Int) if matches!(op, Mul | IntDiv) => return true,
-            (Ty::Int, Ty::Duration) if op == Mul => return true,
-            _ => {}
-        }
-        let is_other = |body: &Self, id| matches!(body.ty_of(id), Ty::Bool | Ty::Int | Ty::Enum(_));
-        if !is_other(self, left) && !is_other(self, right) {
-            self.in_seconds(left);
-            self.in_seconds(right);
-        }
-        false
-    }
-
-    /// Turns the fixed duration in `n * 10[ms]` into ticks; the product is a multiple of it.
-    fn multiple_of_fixed(&mut self, op: BinaryOp, left: ExprId, right: ExprId) {
-        let is_constant = self.unit.kind == UnitKind::Constant;
-        for (count, duration) in [(left, right), (right, left)] {
-            let counts = *self.ty_of(count) == Ty::Int;
-            if op == Mul && counts && !is_constant {
-                self.in_ticks(duration);
-            }
-        }
-    }
-
-    /// Checks an operator with a time as an operand; returns `None` if it works on seconds, to which the operands are
-    /// converted.
-    pub(super) fn on_times(
-        &mut self,
-        op: BinaryOp,
-        left: ExprId,
-        right: ExprId,
-        span: Span,
-    ) -> Option<ExprId> {
-        let is_time = |body: &Self, id| *body.ty_of(id) == Ty::Duration;
-        self.multiple_of_fixed(op, left, right);
-        if !is_time(self, left) && !is_time(self, right) || !self.operands_meet(op, left, right) {
+        if expr.ty != SECONDS || parts.len() > MOST_PARTS {
             return None;
         }
-        let row = ROWS.iter().find(|row| row.op == op)?;
-        let gives = match (op, is_time(self, right)) {
-            (IntDiv, false) => Ty::Duration,
-            _ => row.gives.clone(),
-        };
-        let operands = match row.swapped {
-            true => [right, left],
-            false => [left, right],
-        };
-        Some(self.prim_typed(row.prim, &operands, gives, span))
-    }
-
-    /// Decides whether the common type of the arguments of a type parameter is a time. It is if all of them are times
-    /// or may be, and the constraint of the type parameter admits times; otherwise they become seconds.
-    pub(super) fn settle_times(&mut self, header: &Header, args: &[Option<ExprId>]) {
-        let given = header.inputs.iter().zip(args);
-        let generic = given.filter_map(|(port, arg)| match (&port.ty, arg) {
-            (Ty::Generic(name), Some(arg)) => Some((name, *arg)),
-            _ => None,
-        });
-        let generic: Vec<(&Name, ExprId)> = generic.collect();
-        let is_time = |body: &Self, id| *body.ty_of(id) == Ty::Duration;
-        for (name, arg) in &generic {
-            if !is_time(self, *arg) {
-                continue;
+        parts.push(id);
+        match &expr.kind {
+            Kind::Literal(_) | Kind::Fault => {}
+            Kind::Each(each, operands) => {
+                open.extend(operands.iter().skip(usize::from(*each == Each::If)));
             }
-            let alike = generic.iter().filter(|other| other.0 == *name);
-            let alike: Vec<ExprId> = alike.map(|other| other.1).collect();
-            let exact = self.c.may_be_time(header.decl, name)
-                && alike
-                    .iter()
-                    .all(|id| is_time(self, *id) || self.fixed_parts(*id).is_some());
-            for id in alike {
-                match exact {
-                    true => _ = self.in_ticks(id),
-                    false => self.in_seconds(id),
-                }
+            Kind::When { value, .. } | Kind::Current(value) => open.push(*value),
+            Kind::Merge { cases, .. } => open.extend(cases.iter().map(|case| case.1)),
+            _ if is_whole(&cx.unit, id, &SECONDS) => {}
+            _ => return None,
+        }
+    }
+    Some(parts)
+}
+
+/// Converts a time and a real to a common type: a fixed duration to ticks, otherwise the time to seconds.
+pub(super) fn unify_times(cx: &mut Body<'_, '_>, a: ExprId, b: ExprId) {
+    for (time, other) in [(a, b), (b, a)] {
+        let is_real = matches!(cx.ty_of(other), Ty::Real(_));
+        if *cx.ty_of(time) == Ty::Duration && is_real && !convert_to_ticks(cx, other) {
+            convert_to_seconds(cx, time);
+        }
+    }
+}
+
+/// Converts an expression between seconds and ticks as its expected type requires.
+pub(super) fn convert_time_for(cx: &mut Body<'_, '_>, id: ExprId, wanted: &Ty) {
+    match wanted {
+        Ty::Real(_) => convert_to_seconds(cx, id),
+        Ty::Duration => _ = convert_to_ticks(cx, id),
+        _ => {}
+    }
+}
+
+/// Converts an argument for a port of the type `time`: seconds become whole ticks, rounded up, even if they change
+/// at run time.
+fn ticks_for_port(cx: &mut Body<'_, '_>, id: ExprId) -> ExprId {
+    if *cx.ty_of(id) != SECONDS || convert_to_ticks(cx, id) {
+        return id;
+    }
+    ticks_from_seconds(cx, id, cx.span_of(id))
+}
+
+/// Adds the conversion `time(x)` from seconds to whole ticks, rounded up.
+pub(super) fn ticks_from_seconds(cx: &mut Body<'_, '_>, x: ExprId, span: Span) -> ExprId {
+    prim::add_prim(cx, prim!("Rpi::TicksFromSeconds"), &[x], Ty::Duration, span)
+}
+
+/// Converts the operands of an operator, one of which is a time. Returns whether the operator works on times, or on
+/// a time and an integer; otherwise the operands become seconds, unless one is a Boolean, an integer or an enum
+/// value.
+fn unify_time_operands(cx: &mut Body<'_, '_>, op: BinaryOp, left: ExprId, right: ExprId) -> bool {
+    if matches!(op, Add | Sub | Mod | IntDiv | Lt | Le | Gt | Ge) {
+        unify_times(cx, left, right);
+    }
+    match (cx.ty_of(left), cx.ty_of(right)) {
+        (Ty::Duration, Ty::Duration) if !matches!(op, Mul | Div | Pow) => return true,
+        (Ty::Duration, Ty::Int) if matches!(op, Mul | IntDiv) => return true,
+        (Ty::Int, Ty::Duration) if op == Mul => return true,
+        _ => {}
+    }
+    let is_other = |body: &Body, id| matches!(body.ty_of(id), Ty::Bool | Ty::Int | Ty::Enum(_));
+    if !is_other(cx, left) && !is_other(cx, right) {
+        convert_to_seconds(cx, left);
+        convert_to_seconds(cx, right);
+    }
+    false
+}
+
+/// Turns the fixed duration in `n * 10[ms]` into ticks; the product is a multiple of it.
+fn convert_multiplied_duration(cx: &mut Body<'_, '_>, op: BinaryOp, left: ExprId, right: ExprId) {
+    let is_constant = cx.unit.kind == UnitKind::Constant;
+    for (count, duration) in [(left, right), (right, left)] {
+        let counts = *cx.ty_of(count) == Ty::Int;
+        if op == Mul && counts && !is_constant {
+            convert_to_ticks(cx, duration);
+        }
+    }
+}
+
+/// Checks an operator with a time as an operand; returns `None` if it works on seconds, to which the operands are
+/// converted.
+pub(super) fn time_operator(
+    cx: &mut Body<'_, '_>,
+    op: BinaryOp,
+    left: ExprId,
+    right: ExprId,
+    span: Span,
+) -> Option<ExprId> {
+    let is_time = |body: &Body, id| *body.ty_of(id) == Ty::Duration;
+    convert_multiplied_duration(cx, op, left, right);
+    if !is_time(cx, left) && !is_time(cx, right) || !unify_time_operands(cx, op, left, right) {
+        return None;
+    }
+    let row = ROWS.iter().find(|row| row.op == op)?;
+    let gives = match (op, is_time(cx, right)) {
+        (IntDiv, false) => Ty::Duration,
+        _ => row.gives.clone(),
+    };
+    let operands = match row.swapped {
+        true => [right, left],
+        false => [left, right],
+    };
+    Some(prim::add_prim(cx, row.prim, &operands, gives, span))
+}
+
+/// Decides whether the common type of the arguments of a type parameter is a time. It is if all of them are times
+/// or may be, and the constraint of the type parameter admits times; otherwise they become seconds.
+pub(super) fn unify_generic_times(cx: &mut Body<'_, '_>, header: &Header, args: &[Option<ExprId>]) {
+    let given = header.inputs.iter().zip(args);
+    let generic = given.filter_map(|(port, arg)| match (&port.ty, arg) {
+        (Ty::Generic(name), Some(arg)) => Some((name, *arg)),
+        _ => None,
+    });
+    let generic: Vec<(&Name, ExprId)> = generic.collect();
+    let is_time = |body: &Body, id| *body.ty_of(id) == Ty::Duration;
+    for (name, arg) in &generic {
+        if !is_time(cx, *arg) {
+            continue;
+        }
+        let alike = generic.iter().filter(|other| other.0 == *name);
+        let alike: Vec<ExprId> = alike.map(|other| other.1).collect();
+        let exact = cx.c.may_be_time(header.decl, name)
+            && alike
+                .iter()
+                .all(|id| is_time(cx, *id) || fixed_alternatives(cx, *id).is_some());
+        for id in alike {
+            match exact {
+                true => _ = convert_to_ticks(cx, id),
+                false => convert_to_seconds(cx, id),
             }
         }
     }
+}
 
-    /// Converts the arguments of a call to the known types of the ports.
-    pub(super) fn args_suit(&mut self, header: &Header, args: &mut [Option<ExprId>]) {
-        self.settle_times(header, args);
-        for (port, arg) in header.inputs.iter().zip(args) {
-            let Some(id) = arg else {
-                continue;
-            };
-            match &port.ty {
-                Ty::Duration => *arg = Some(self.ticks_given(*id)),
-                wanted => self.suits(*id, wanted),
-            }
+/// Converts the arguments of a call to the known types of the ports.
+pub(super) fn convert_time_args(
+    cx: &mut Body<'_, '_>,
+    header: &Header,
+    args: &mut [Option<ExprId>],
+) {
+    unify_generic_times(cx, header, args);
+    for (port, arg) in header.inputs.iter().zip(args) {
+        let Some(id) = arg else {
+            continue;
+        };
+        match &port.ty {
+            Ty::Duration => *arg = Some(ticks_for_port(cx, *id)),
+            wanted => convert_time_for(cx, *id, wanted),
         }
     }
 }

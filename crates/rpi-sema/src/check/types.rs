@@ -1,12 +1,26 @@
 //! Resolution of type expressions.
 
 use super::body::Body;
+use super::compose;
+use super::consts;
+use super::data;
+use super::device;
+use super::locals;
 use super::locals::Local;
+use super::machine;
 use super::nesting::is_workable;
+use super::quantifier;
 use super::quantifier::{SETS, foreign_ty};
 use super::quantity::unit_fault;
+use super::report;
 use super::report::not_a;
+use super::spatial;
+use super::statics;
 use super::statics::{Static, Statics};
+use super::subrange;
+use super::unit;
+use super::unknown;
+use super::valued;
 use super::{Checker, Lazy};
 use crate::program::{DeclId, DeclKind, Lookup, Space};
 use crate::ty::{EnumTy, Geometry, Member, StructTy, Ty};
@@ -31,342 +45,343 @@ pub(super) struct PortTy {
     pub(super) optional: bool,
 }
 
-impl<'a> Body<'_, 'a> {
-    /// Resolves the type of a port or variable, which may be optional as a whole.
-    pub(super) fn port_ty(&mut self, ty: &'a Type) -> PortTy {
-        match &ty.kind {
-            TypeKind::Optional(inner) => PortTy {
-                ty: self.ty(inner),
-                optional: true,
-            },
-            _ => PortTy {
-                ty: self.ty(ty),
-                optional: false,
-            },
-        }
+/// Resolves the type of a port or variable, which may be optional as a whole.
+pub(super) fn resolve_port_type<'a>(cx: &mut Body<'_, 'a>, ty: &'a Type) -> PortTy {
+    match &ty.kind {
+        TypeKind::Optional(inner) => PortTy {
+            ty: resolve_type(cx, inner),
+            optional: true,
+        },
+        _ => PortTy {
+            ty: resolve_type(cx, ty),
+            optional: false,
+        },
     }
+}
 
-    /// Resolves a type that is not optional.
-    pub(super) fn ty(&mut self, ty: &'a Type) -> Ty {
-        match &ty.kind {
-            TypeKind::Bool => Ty::Bool,
-            TypeKind::Int => Ty::Int,
-            TypeKind::Subrange(range) => self.subrange(range, ty.span),
-            TypeKind::Real(None) => Ty::REAL,
-            TypeKind::Real(Some(unit)) => self.real_in(unit),
-            TypeKind::Named(named) => self.named_ty(named),
-            TypeKind::Array(array) => self.array_ty(array, ty.span),
-            TypeKind::Optional(inner) => self.inner_optional(inner, ty.span),
-            TypeKind::Tuple(types) => {
-                let types: Vec<Ty> = types.iter().map(|ty| self.value_ty(ty)).collect();
-                match &types[..] {
-                    [one] => one.clone(),
-                    _ => Ty::tuple(types),
-                }
-            }
-            TypeKind::Refined(refined) => self.refined(refined),
-            TypeKind::Enum(_) | TypeKind::Struct(_) | TypeKind::Data(_) => {
-                self.nameless_ty(ty.span)
-            }
-            TypeKind::Broken => Ty::Unknown,
-        }
-    }
-
-    /// Resolves the type of reals in a unit; unknown while a type parameter in the unit is unknown, and after an error.
-    fn real_in(&mut self, unit: &Unit) -> Ty {
-        match self.measure(unit) {
-            Ok(Some(measure)) => Ty::Real(measure.dim),
-            Ok(None) => Ty::Unknown,
-            Err(finding) => {
-                self.report(*finding);
-                Ty::Unknown
+/// Resolves a type that is not optional.
+pub(super) fn resolve_type<'a>(cx: &mut Body<'_, 'a>, ty: &'a Type) -> Ty {
+    match &ty.kind {
+        TypeKind::Bool => Ty::Bool,
+        TypeKind::Int => Ty::Int,
+        TypeKind::Subrange(range) => subrange::subrange_type(cx, range, ty.span),
+        TypeKind::Real(None) => Ty::REAL,
+        TypeKind::Real(Some(unit)) => real_type(cx, unit),
+        TypeKind::Named(named) => resolve_named_type(cx, named),
+        TypeKind::Array(array) => array_type(cx, array, ty.span),
+        TypeKind::Optional(inner) => optional_part(cx, inner, ty.span),
+        TypeKind::Tuple(types) => {
+            let types: Vec<Ty> = types
+                .iter()
+                .map(|ty| valued::resolve_value_type(cx, ty))
+                .collect();
+            match &types[..] {
+                [one] => one.clone(),
+                _ => Ty::tuple(types),
             }
         }
+        TypeKind::Refined(refined) => quantifier::refinement_type(cx, refined),
+        TypeKind::Enum(_) | TypeKind::Struct(_) | TypeKind::Data(_) => anonymous_type(cx, ty.span),
+        TypeKind::Broken => Ty::Unknown,
     }
+}
 
-    /// Resolves a unit; `None` while a type parameter in it is unknown.
-    ///
-    /// # Errors
-    /// Returns the diagnostic for an invalid unit.
-    pub(super) fn measure(&self, unit: &Unit) -> Result<Option<Measure>, Box<Finding>> {
-        for factor in &unit.factors {
-            match self.statics.get(&factor.unit.name) {
-                Some(Static::Ty(Ty::Generic(_) | Ty::Unknown)) => return Ok(None),
-                Some(Static::Ty(ty)) if !matches!(ty, Ty::Real(_) | Ty::Duration) => {
-                    return Err(Box::new(no_quantity(&factor.unit, ty)));
-                }
-                _ => {}
+/// Resolves the type of reals in a unit; unknown while a type parameter in the unit is unknown, and after an error.
+fn real_type(cx: &mut Body<'_, '_>, unit: &Unit) -> Ty {
+    match resolve_unit(cx, unit) {
+        Ok(Some(measure)) => Ty::Real(measure.dim),
+        Ok(None) => Ty::Unknown,
+        Err(finding) => {
+            report::report_diagnostic(cx, *finding);
+            Ty::Unknown
+        }
+    }
+}
+
+/// Resolves a unit; `None` while a type parameter in it is unknown.
+///
+/// # Errors
+/// Returns the diagnostic for an invalid unit.
+pub(super) fn resolve_unit(
+    cx: &Body<'_, '_>,
+    unit: &Unit,
+) -> Result<Option<Measure>, Box<Finding>> {
+    for factor in &unit.factors {
+        match cx.statics.get(&factor.unit.name) {
+            Some(Static::Ty(Ty::Generic(_) | Ty::Unknown)) => return Ok(None),
+            Some(Static::Ty(ty)) if !matches!(ty, Ty::Real(_) | Ty::Duration) => {
+                return Err(Box::new(no_quantity(&factor.unit, ty)));
             }
-        }
-        let parameter = |name: &str| match self.statics.get(name) {
-            Some(Static::Ty(Ty::Real(dim))) => Some(*dim),
-            Some(Static::Ty(Ty::Duration)) => Some(Dim::TIME),
-            _ => None,
-        };
-        let found = resolve(unit, &parameter).map_err(|fault| Box::new(unit_fault(&fault)));
-        found.map(Some)
-    }
-
-    fn inner_optional(&mut self, inner: &'a Type, span: Span) -> Ty {
-        self.report(
-            Finding::new(Code::RPI3004, "a part of a value cannot be optional")
-                .at(span, "optional part")
-                .help("only a whole flow or port can be optional: write `?` after the whole type"),
-        );
-        self.ty(inner)
-    }
-
-    fn nameless_ty(&mut self, span: Span) -> Ty {
-        self.report(
-            Finding::new(Code::RPI1003, "an enum or struct needs a name")
-                .at(span, "declared in place")
-                .help("declare it by `type Name = ...;` and write the name here"),
-        );
-        Ty::Unknown
-    }
-
-    fn array_ty(&mut self, array: &'a ArrayType, span: Span) -> Ty {
-        let element = self.value_ty(&array.element);
-        let Some(size) = self.size(&array.size) else {
-            return Ty::Unknown;
-        };
-        let ty = Ty::Array(Rc::new(element), size);
-        if ty.leaf_count() > MAX_LEAVES {
-            self.report(too_large(span));
-            return Ty::Unknown;
-        }
-        ty
-    }
-
-    fn named_ty(&mut self, named: &'a NamedType) -> Ty {
-        let name = &named.name.name;
-        if let Some(Static::Ty(ty)) = self.statics.get(name) {
-            return ty.clone();
-        }
-        match self.c.program.lookup_in(Space::Type, self.module, name) {
-            Lookup::Found(id) => self.declared_ty(id, named),
-            Lookup::Missing => self.builtin_ty(named),
+            _ => {}
         }
     }
+    let parameter = |name: &str| match cx.statics.get(name) {
+        Some(Static::Ty(Ty::Real(dim))) => Some(*dim),
+        Some(Static::Ty(Ty::Duration)) => Some(Dim::TIME),
+        _ => None,
+    };
+    let found = resolve(unit, &parameter).map_err(|fault| Box::new(unit_fault(&fault)));
+    found.map(Some)
+}
 
-    /// Resolves a type by its name alone.
-    pub(super) fn ty_named(&mut self, name: &Name, span: Span) -> Option<Ty> {
-        if let Some(Static::Ty(ty)) = self.statics.get(name) {
-            return Some(ty.clone());
-        }
-        if let Lookup::Found(id) = self.c.program.lookup_in(Space::Type, self.module, name)
-            && let DeclKind::Type(_) = self.c.program.decl(id).kind
-        {
-            return Some(self.type_of(id, &[], span));
-        }
-        let spatial = Scalar::ALL
-            .iter()
-            .copied()
-            .find(|s| s.name() == name.as_str());
-        let found = match name.as_str() {
-            "time" if self.is_rpi() => Some(Ty::Duration),
-            _ => spatial.map(super::prim::scalar_ty),
-        };
-        if found.is_none() {
-            self.unknown_type(name, span);
-        }
-        found
+fn optional_part<'a>(cx: &mut Body<'_, 'a>, inner: &'a Type, span: Span) -> Ty {
+    report::report_diagnostic(
+        cx,
+        Finding::new(Code::RPI3004, "a part of a value cannot be optional")
+            .at(span, "optional part")
+            .help("only a whole flow or port can be optional: write `?` after the whole type"),
+    );
+    resolve_type(cx, inner)
+}
+
+fn anonymous_type(cx: &mut Body<'_, '_>, span: Span) -> Ty {
+    report::report_diagnostic(
+        cx,
+        Finding::new(Code::RPI1003, "an enum or struct needs a name")
+            .at(span, "declared in place")
+            .help("declare it by `type Name = ...;` and write the name here"),
+    );
+    Ty::Unknown
+}
+
+fn array_type<'a>(cx: &mut Body<'_, 'a>, array: &'a ArrayType, span: Span) -> Ty {
+    let element = valued::resolve_value_type(cx, &array.element);
+    let Some(size) = compose::const_size(cx, &array.size) else {
+        return Ty::Unknown;
+    };
+    let ty = Ty::Array(Rc::new(element), size);
+    if ty.leaf_count() > MAX_LEAVES {
+        report::report_diagnostic(cx, too_large(span));
+        return Ty::Unknown;
     }
+    ty
+}
 
-    /// Whether no declaration and no static parameter has this name, so that it can only be a predeclared type.
-    pub(super) fn is_undeclared_type(&self, name: &Name) -> bool {
-        let found = self.c.program.lookup_in(Space::Type, self.module, name);
-        !self.statics.contains_key(name) && matches!(found, Lookup::Missing)
+fn resolve_named_type<'a>(cx: &mut Body<'_, 'a>, named: &'a NamedType) -> Ty {
+    let name = &named.name.name;
+    if let Some(Static::Ty(ty)) = cx.statics.get(name) {
+        return ty.clone();
     }
-
-    fn declared_ty(&mut self, id: DeclId, named: &'a NamedType) -> Ty {
-        let decl = self.c.program.decl(id);
-        match decl.kind {
-            DeclKind::Type(_) => self.type_of(id, &named.statics, named.name.span),
-            DeclKind::Device(device) => self.device_ty(id, device, named),
-            DeclKind::Broken(_) => Ty::Unknown,
-            kind => {
-                let finding = not_a(
-                    "a type",
-                    &decl.name,
-                    kind.what(),
-                    named.name.span,
-                    decl.span,
-                );
-                self.report(finding);
-                Ty::Unknown
-            }
-        }
+    match cx.c.program.lookup_in(Space::Type, cx.module, name) {
+        Lookup::Found(id) => resolve_declared_type(cx, id, named),
+        Lookup::Missing => resolve_builtin_type(cx, named),
     }
+}
 
-    fn builtin_ty(&mut self, named: &'a NamedType) -> Ty {
-        let name = named.name.name.as_str();
-        let scalar = Scalar::ALL.iter().copied().find(|s| s.name() == name);
-        match scalar {
-            Some(Scalar::Time) => Ty::Time,
-            Some(scalar) => {
-                let dim = self.components(scalar, &named.statics);
-                let geometry = self.geometry(named.frames.as_ref());
-                Ty::Spatial(scalar, Rc::new(Geometry { dim, ..geometry }))
-            }
-            None if name == "result" => Ty::Result,
-            None if name == "text" => Ty::Text,
-            None if name == "time" && self.is_rpi() => Ty::Duration,
-            None if !self.is_rpi() && is_foreign_name(name) => self.foreign_type(named),
-            None => {
-                self.unknown_type(&named.name.name, named.name.span);
-                Ty::Unknown
-            }
-        }
+/// Resolves a type by its name alone.
+pub(super) fn type_by_plain_name(cx: &mut Body<'_, '_>, name: &Name, span: Span) -> Option<Ty> {
+    if let Some(Static::Ty(ty)) = cx.statics.get(name) {
+        return Some(ty.clone());
     }
-
-    /// Resolves a built-in type of Kind 2: a machine integer, or a type of which only the name is known.
-    fn foreign_type(&mut self, named: &'a NamedType) -> Ty {
-        let (name, span) = (named.name.name.as_str(), named.name.span);
-        if !matches!(name, "set" | "map" | "history") {
-            let machine = self.machine_named(name, &named.statics, span);
-            return machine.map_or(Ty::Unknown, Ty::Machine);
-        }
-        let args: Vec<String> = named
-            .statics
-            .iter()
-            .map(|arg| self.type_argument(arg))
-            .collect();
-        match name {
-            "set" | "map" => self.foreign(&format!("a {name}"), SETS, span),
-            _ => self.history(named),
-        }
-        match &args[..] {
-            _ if args.iter().any(String::is_empty) => Ty::Unknown,
-            _ if name == "history" => Ty::Unknown,
-            [] => foreign_ty(name.to_owned()),
-            args => foreign_ty(format!("{name}<{}>", args.join(", "))),
-        }
+    if let Lookup::Found(id) = cx.c.program.lookup_in(Space::Type, cx.module, name)
+        && let DeclKind::Type(_) = cx.c.program.decl(id).kind
+    {
+        return Some(data::type_instance_for(cx, id, &[], span));
     }
+    let spatial = Scalar::ALL
+        .iter()
+        .copied()
+        .find(|s| s.name() == name.as_str());
+    let found = match name.as_str() {
+        "time" if unit::reads_rpi_syntax(cx) => Some(Ty::Duration),
+        _ => spatial.map(super::prim::scalar_ty),
+    };
+    if found.is_none() {
+        unknown::report_undefined_type(cx, name, span);
+    }
+    found
+}
 
-    /// Returns a static argument of such a type as text; empty after an error.
-    fn type_argument(&mut self, arg: &'a rpi_syntax::ast::StaticArg) -> String {
-        match &arg.value {
-            rpi_syntax::ast::StaticValue::Expr(value) => self
-                .integer(value)
-                .map_or_else(String::new, |n| n.to_string()),
-            _ => match self.static_type(arg) {
-                None | Some(Ty::Unknown) => String::new(),
-                Some(ty) => ty.to_string(),
-            },
+/// Whether no declaration and no static parameter has this name, so that it can only be a predeclared type.
+pub(super) fn is_undeclared_type(cx: &Body<'_, '_>, name: &Name) -> bool {
+    let found = cx.c.program.lookup_in(Space::Type, cx.module, name);
+    !cx.statics.contains_key(name) && matches!(found, Lookup::Missing)
+}
+
+fn resolve_declared_type<'a>(cx: &mut Body<'_, 'a>, id: DeclId, named: &'a NamedType) -> Ty {
+    let decl = cx.c.program.decl(id);
+    match decl.kind {
+        DeclKind::Type(_) => data::type_instance_for(cx, id, &named.statics, named.name.span),
+        DeclKind::Device(device) => device::resolve_device_type(cx, id, device, named),
+        DeclKind::Broken(_) => Ty::Unknown,
+        kind => {
+            let finding = not_a(
+                "a type",
+                &decl.name,
+                kind.what(),
+                named.name.span,
+                decl.span,
+            );
+            report::report_diagnostic(cx, finding);
+            Ty::Unknown
         }
     }
+}
 
-    /// Checks `history(x)`, the past values of a flow.
-    fn history(&mut self, named: &NamedType) {
-        let of = named
-            .frames
-            .as_ref()
-            .and_then(|frames| frames.in_frame.parts.first());
-        let Some(of) = of else {
-            return self.unknown_type(&named.name.name, named.name.span);
-        };
-        let is_bound = self.bound.iter().any(|bound| bound.name == of.name);
-        if is_bound || self.local_flow(&of.name).is_none() {
-            let message = format!("`{}` has no history", of.name);
-            let finding = Finding::new(Code::RPI2014, message)
-                .at(of.span, "not a flow of the node")
-                .help("`history(x)` is the sequence of past values of a flow `x`");
-            return self.report(finding);
+fn resolve_builtin_type<'a>(cx: &mut Body<'_, 'a>, named: &'a NamedType) -> Ty {
+    let name = named.name.name.as_str();
+    let scalar = Scalar::ALL.iter().copied().find(|s| s.name() == name);
+    match scalar {
+        Some(Scalar::Time) => Ty::Time,
+        Some(scalar) => {
+            let dim = spatial::component_dim(cx, scalar, &named.statics);
+            let geometry = check_geometry(cx, named.frames.as_ref());
+            Ty::Spatial(scalar, Rc::new(Geometry { dim, ..geometry }))
         }
-        self.foreign(
-            "a history",
-            "a control core stores no values of earlier cycles except those of `pre`",
-            named.name.span,
-        );
-    }
-
-    pub(super) fn near_type(&self, name: &str) -> Option<String> {
-        let builtin = [
-            "Vector", "Rotation", "Pose", "Twist", "Wrench", "Time", "time", "bool", "int", "real",
-        ];
-        let is_type = |id: DeclId| {
-            let kind = self.c.program.decl(id).kind;
-            matches!(kind, DeclKind::Type(_) | DeclKind::Device(_))
-        };
-        let declared = self
-            .c
-            .suggest(name, self.c.program.visible(self.module, is_type));
-        declared.or_else(|| rpi_diag::suggest(name, builtin.into_iter()))
-    }
-
-    fn geometry(&mut self, frames: Option<&Frames>) -> Geometry {
-        Geometry {
-            dim: None,
-            of: frames
-                .and_then(|f| f.of.as_ref())
-                .and_then(|f| self.frame(f)),
-            in_frame: frames.and_then(|f| self.frame(&f.in_frame)),
+        None if name == "result" => Ty::Result,
+        None if name == "text" => Ty::Text,
+        None if name == "time" && unit::reads_rpi_syntax(cx) => Ty::Duration,
+        None if !unit::reads_rpi_syntax(cx) && is_foreign_name(name) => kind2_type(cx, named),
+        None => {
+            unknown::report_undefined_type(cx, &named.name.name, named.name.span);
+            Ty::Unknown
         }
     }
+}
 
-    /// Resolves a frame: declared, of a device, or (in a signature) free.
-    fn frame(&mut self, frame: &Dotted) -> Option<Name> {
-        match &frame.parts[..] {
-            [one] => {
-                let known = self.is_frame(&one.name) || self.free_frame(&one.name);
-                self.known_frame(known, one.name.clone(), one.span)
-            }
-            [device, local] => {
-                let known = self.device_frames(&device.name).contains(&local.name);
-                let name = format!("{}.{}", device.name, local.name);
-                self.known_frame(known, name.into(), frame.span)
-            }
-            _ => self.known_frame(false, "".into(), frame.span),
+/// Resolves a built-in type of Kind 2: a machine integer, or a type of which only the name is known.
+fn kind2_type<'a>(cx: &mut Body<'_, 'a>, named: &'a NamedType) -> Ty {
+    let (name, span) = (named.name.name.as_str(), named.name.span);
+    if !matches!(name, "set" | "map" | "history") {
+        let machine = machine::machine_int_type(cx, name, &named.statics, span);
+        return machine.map_or(Ty::Unknown, Ty::Machine);
+    }
+    let args: Vec<String> = named
+        .statics
+        .iter()
+        .map(|arg| type_argument(cx, arg))
+        .collect();
+    match name {
+        "set" | "map" => quantifier::not_executable(cx, &format!("a {name}"), SETS, span),
+        _ => history(cx, named),
+    }
+    match &args[..] {
+        _ if args.iter().any(String::is_empty) => Ty::Unknown,
+        _ if name == "history" => Ty::Unknown,
+        [] => foreign_ty(name.to_owned()),
+        args => foreign_ty(format!("{name}<{}>", args.join(", "))),
+    }
+}
+
+/// Returns a static argument of such a type as text; empty after an error.
+fn type_argument<'a>(cx: &mut Body<'_, 'a>, arg: &'a rpi_syntax::ast::StaticArg) -> String {
+    match &arg.value {
+        rpi_syntax::ast::StaticValue::Expr(value) => {
+            consts::const_integer(cx, value).map_or_else(String::new, |n| n.to_string())
         }
+        _ => match statics::static_type(cx, arg) {
+            None | Some(Ty::Unknown) => String::new(),
+            Some(ty) => ty.to_string(),
+        },
     }
+}
 
-    /// Resolves the frame in which another frame is placed.
-    pub(super) fn parent_frame(&mut self, frame: &Dotted) -> Option<Name> {
-        self.frame(frame)
+/// Checks `history(x)`, the past values of a flow.
+fn history(cx: &mut Body<'_, '_>, named: &NamedType) {
+    let of = named
+        .frames
+        .as_ref()
+        .and_then(|frames| frames.in_frame.parts.first());
+    let Some(of) = of else {
+        return unknown::report_undefined_type(cx, &named.name.name, named.name.span);
+    };
+    let is_bound = cx.bound.iter().any(|bound| bound.name == of.name);
+    if is_bound || cx.local_flow(&of.name).is_none() {
+        let message = format!("`{}` has no history", of.name);
+        let finding = Finding::new(Code::RPI2014, message)
+            .at(of.span, "not a flow of the node")
+            .help("`history(x)` is the sequence of past values of a flow `x`");
+        return report::report_diagnostic(cx, finding);
     }
+    quantifier::not_executable(
+        cx,
+        "a history",
+        "a control core stores no values of earlier cycles except those of `pre`",
+        named.name.span,
+    );
+}
 
-    fn is_frame(&self, name: &Name) -> bool {
-        match self.c.program.lookup(self.module, name) {
-            Lookup::Found(id) => matches!(self.c.program.decl(id).kind, DeclKind::Frame(_)),
-            _ => false,
+pub(super) fn similar_type(cx: &Body<'_, '_>, name: &str) -> Option<String> {
+    let builtin = [
+        "Vector", "Rotation", "Pose", "Twist", "Wrench", "Time", "time", "bool", "int", "real",
+    ];
+    let is_type = |id: DeclId| {
+        let kind = cx.c.program.decl(id).kind;
+        matches!(kind, DeclKind::Type(_) | DeclKind::Device(_))
+    };
+    let declared = cx.c.suggest(name, cx.c.program.visible(cx.module, is_type));
+    declared.or_else(|| rpi_diag::suggest(name, builtin.into_iter()))
+}
+
+fn check_geometry(cx: &mut Body<'_, '_>, frames: Option<&Frames>) -> Geometry {
+    Geometry {
+        dim: None,
+        of: frames
+            .and_then(|f| f.of.as_ref())
+            .and_then(|f| check_frame(cx, f)),
+        in_frame: frames.and_then(|f| check_frame(cx, &f.in_frame)),
+    }
+}
+
+/// Resolves a frame: declared, of a device, or (in a signature) free.
+fn check_frame(cx: &mut Body<'_, '_>, frame: &Dotted) -> Option<Name> {
+    match &frame.parts[..] {
+        [one] => {
+            let known = is_frame_name(cx, &one.name) || free_frame(cx, &one.name);
+            checked_frame(cx, known, one.name.clone(), one.span)
         }
-    }
-
-    /// Whether a name may be a free frame of the signature. In the signature itself every name may be one.
-    fn free_frame(&mut self, name: &Name) -> bool {
-        let known = self.unit.free_frames.contains(name);
-        if !known && self.in_signature {
-            self.unit.free_frames.push(name.clone());
+        [device, local] => {
+            let known = device_frames(cx, &device.name).contains(&local.name);
+            let name = format!("{}.{}", device.name, local.name);
+            checked_frame(cx, known, name.into(), frame.span)
         }
-        known || self.in_signature
+        _ => checked_frame(cx, false, "".into(), frame.span),
     }
+}
 
-    fn device_frames(&self, device: &Name) -> Vec<Name> {
-        let Some(Local::Flow(flow)) = self.find_local(device) else {
-            return Vec::new();
-        };
-        self.unit
-            .device(flow)
-            .map_or_else(Vec::new, |d| d.frames.clone())
-    }
+/// Resolves the frame in which another frame is placed.
+pub(super) fn parent_frame(cx: &mut Body<'_, '_>, frame: &Dotted) -> Option<Name> {
+    check_frame(cx, frame)
+}
 
-    fn known_frame(&mut self, known: bool, name: Name, span: Span) -> Option<Name> {
-        if !known {
-            let program = self.c.program;
-            let is_frame = |id| matches!(program.decl(id).kind, DeclKind::Frame(_));
-            let declared = program.visible(self.module, is_frame);
-            let free = self.unit.free_frames.iter().map(Name::as_str);
-            let near = self.c.suggest(&name, free.chain(declared));
-            let finding = Finding::new(Code::RPI1001, format!("undefined frame `{name}`"))
-                .at(span, "not declared")
-                .help(
-                    "declare it by `frame`, name it in the signature, or use a frame of a device",
-                );
-            self.report(finding.did_you_mean(span, near));
-        }
-        known.then_some(name)
+fn is_frame_name(cx: &Body<'_, '_>, name: &Name) -> bool {
+    match cx.c.program.lookup(cx.module, name) {
+        Lookup::Found(id) => matches!(cx.c.program.decl(id).kind, DeclKind::Frame(_)),
+        _ => false,
     }
+}
+
+/// Whether a name may be a free frame of the signature. In the signature itself every name may be one.
+fn free_frame(cx: &mut Body<'_, '_>, name: &Name) -> bool {
+    let known = cx.unit.free_frames.contains(name);
+    if !known && cx.in_signature {
+        cx.unit.free_frames.push(name.clone());
+    }
+    known || cx.in_signature
+}
+
+fn device_frames(cx: &Body<'_, '_>, device: &Name) -> Vec<Name> {
+    let Some(Local::Flow(flow)) = locals::find_local(cx, device) else {
+        return Vec::new();
+    };
+    cx.unit
+        .device(flow)
+        .map_or_else(Vec::new, |d| d.frames.clone())
+}
+
+fn checked_frame(cx: &mut Body<'_, '_>, known: bool, name: Name, span: Span) -> Option<Name> {
+    if !known {
+        let program = cx.c.program;
+        let is_frame = |id| matches!(program.decl(id).kind, DeclKind::Frame(_));
+        let declared = program.visible(cx.module, is_frame);
+        let free = cx.unit.free_frames.iter().map(Name::as_str);
+        let near = cx.c.suggest(&name, free.chain(declared));
+        let finding = Finding::new(Code::RPI1001, format!("undefined frame `{name}`"))
+            .at(span, "not declared")
+            .help("declare it by `frame`, name it in the signature, or use a frame of a device");
+        report::report_diagnostic(cx, finding.did_you_mean(span, near));
+    }
+    known.then_some(name)
 }
 
 impl<'a> Checker<'a> {
@@ -420,7 +435,7 @@ impl<'a> Checker<'a> {
         };
         let mut body = Body::around(self, id);
         body.statics = statics;
-        let ty = body.type_meaning(def);
+        let ty = resolve_type_def(&mut body, def);
         let is_temporal = body.state_at.is_some();
         body.leave();
         if is_temporal {
@@ -466,80 +481,83 @@ impl<'a> Checker<'a> {
     }
 }
 
-impl<'a> Body<'_, 'a> {
-    fn type_meaning(&mut self, def: &'a TypeDef) -> Ty {
-        let name = self.type_name(def);
-        match def.ty.as_ref().map(|ty| (&ty.kind, ty)) {
-            None => Ty::Struct(Rc::new(StructTy {
-                name,
-                fields: Vec::new(),
-                defaults: Vec::new(),
-            })),
-            Some((TypeKind::Enum(values), _)) => {
-                let values = values.iter().map(|v| v.name.name.clone()).collect();
-                Ty::Enum(Rc::new(EnumTy::new(name, values)))
-            }
-            Some((TypeKind::Data(all), _)) => self.data_meaning(def, name, all),
-            Some((TypeKind::Struct(fields), _)) => self.struct_meaning(def, name, fields),
-            Some((_, ty)) => self.ty(ty),
-        }
-    }
-
-    /// Returns the name of a type with its static arguments.
-    fn type_name(&self, def: &TypeDef) -> Name {
-        let params = super::statics::params(&def.statics);
-        super::instance::display(self.c.program, &def.name.name, &params, &self.statics)
-    }
-
-    fn struct_meaning(&mut self, def: &'a TypeDef, name: Name, fields: &'a [VarDecl]) -> Ty {
-        let known = self.fields(fields);
-        if !is_workable(&known) {
-            let finding = Finding::new(Code::RPI2009, "the struct is too large").at(
-                def.name.span,
-                "too many parts, or structs nested too deeply",
-            );
-            self.report(finding);
-            return Ty::Unknown;
-        }
-        Ty::Struct(Rc::new(StructTy {
+fn resolve_type_def<'a>(cx: &mut Body<'_, 'a>, def: &'a TypeDef) -> Ty {
+    let name = type_name(cx, def);
+    match def.ty.as_ref().map(|ty| (&ty.kind, ty)) {
+        None => Ty::Struct(Rc::new(StructTy {
             name,
-            fields: known,
-            defaults: self.field_defaults(fields),
-        }))
+            fields: Vec::new(),
+            defaults: Vec::new(),
+        })),
+        Some((TypeKind::Enum(values), _)) => {
+            let values = values.iter().map(|v| v.name.name.clone()).collect();
+            Ty::Enum(Rc::new(EnumTy::new(name, values)))
+        }
+        Some((TypeKind::Data(all), _)) => data::resolve_datatype(cx, def, name, all),
+        Some((TypeKind::Struct(fields), _)) => resolve_struct(cx, def, name, fields),
+        Some((_, ty)) => resolve_type(cx, ty),
     }
+}
 
-    pub(super) fn fields(&mut self, decls: &'a [VarDecl]) -> Vec<Member> {
-        let mut fields: Vec<Member> = Vec::new();
-        let names = || decls.iter().flat_map(|decl| &decl.names);
-        for decl in decls {
-            let ty = self.value_ty(&decl.ty);
-            for name in &decl.names {
-                let first = names().take(fields.len()).find(|n| n.name == name.name);
-                if let Some(first) = first {
-                    let finding = crate::program::twice(&name.name, name.span, first.span);
-                    self.report(finding);
-                }
-                fields.push(Member {
-                    name: Some(name.name.clone()),
-                    ty: ty.clone(),
-                });
+/// Returns the name of a type with its static arguments.
+fn type_name(cx: &Body<'_, '_>, def: &TypeDef) -> Name {
+    let params = super::statics::params(&def.statics);
+    super::instance::display(cx.c.program, &def.name.name, &params, &cx.statics)
+}
+
+fn resolve_struct<'a>(
+    cx: &mut Body<'_, 'a>,
+    def: &'a TypeDef,
+    name: Name,
+    fields: &'a [VarDecl],
+) -> Ty {
+    let known = check_fields(cx, fields);
+    if !is_workable(&known) {
+        let finding = Finding::new(Code::RPI2009, "the struct is too large").at(
+            def.name.span,
+            "too many parts, or structs nested too deeply",
+        );
+        report::report_diagnostic(cx, finding);
+        return Ty::Unknown;
+    }
+    Ty::Struct(Rc::new(StructTy {
+        name,
+        fields: known,
+        defaults: field_defaults(cx, fields),
+    }))
+}
+
+pub(super) fn check_fields<'a>(cx: &mut Body<'_, 'a>, decls: &'a [VarDecl]) -> Vec<Member> {
+    let mut fields: Vec<Member> = Vec::new();
+    let names = || decls.iter().flat_map(|decl| &decl.names);
+    for decl in decls {
+        let ty = valued::resolve_value_type(cx, &decl.ty);
+        for name in &decl.names {
+            let first = names().take(fields.len()).find(|n| n.name == name.name);
+            if let Some(first) = first {
+                let finding = crate::program::twice(&name.name, name.span, first.span);
+                report::report_diagnostic(cx, finding);
             }
-        }
-        fields
-    }
-
-    fn field_defaults(&mut self, decls: &'a [VarDecl]) -> Vec<Option<Rc<[Leaf]>>> {
-        let mut defaults = Vec::new();
-        for decl in decls {
-            let default = decl.default.as_ref().map(|value| {
-                let ty = self.ty(&decl.ty);
-                // An invalid default, which has been reported, is empty.
-                self.constant_of(value, &ty).unwrap_or_default()
+            fields.push(Member {
+                name: Some(name.name.clone()),
+                ty: ty.clone(),
             });
-            defaults.extend(decl.names.iter().map(|_| default.clone()));
         }
-        defaults
     }
+    fields
+}
+
+fn field_defaults<'a>(cx: &mut Body<'_, 'a>, decls: &'a [VarDecl]) -> Vec<Option<Rc<[Leaf]>>> {
+    let mut defaults = Vec::new();
+    for decl in decls {
+        let default = decl.default.as_ref().map(|value| {
+            let ty = resolve_type(cx, &decl.ty);
+            // An invalid default, which has been reported, is empty.
+            consts::const_value(cx, value, &ty).unwrap_or_default()
+        });
+        defaults.extend(decl.names.iter().map(|_| default.clone()));
+    }
+    defaults
 }
 
 /// Returns the diagnostic for a type parameter in a unit that is not a type of reals.

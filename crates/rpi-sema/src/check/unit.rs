@@ -1,10 +1,21 @@
 //! Units are created at their first call and checked from a queue, so that nested calls cost no stack.
 
 use super::Checker;
+use super::alias;
+use super::assumptions;
 use super::body::Body;
+use super::consts;
+use super::contract;
+use super::header;
 use super::header::{Header, kind_of};
+use super::imported;
 use super::instance::key;
+use super::nothing;
+use super::prim;
+use super::report;
+use super::statement;
 use super::statics::Statics;
+use super::task;
 use crate::elab::MAX_DEPTH;
 use crate::program::{DeclId, DeclKind};
 use crate::typed::{ExprId, Kind, Unit, UnitId, UnitKind};
@@ -206,10 +217,10 @@ impl<'a> Checker<'a> {
         let mut unit = Unit::new(header.name.clone(), header.kind, header.span);
         unit.is_lustre = self.is_lustre(header.decl);
         let mut body = Body::new(self, header.decl, header.statics.clone(), unit);
-        body.check_decl(header.decl);
-        body.give_types_to_none();
+        check_decl(&mut body, header.decl);
+        nothing::infer_none_types(&mut body);
         if called != header.span && header.is_instance() {
-            body.say_for_whom(&header, called);
+            attribute_to_call(&mut body, &header, called);
         }
         let unit = body.leave();
         self.depth = outer;
@@ -219,185 +230,186 @@ impl<'a> Checker<'a> {
     }
 }
 
-impl<'a> Body<'_, 'a> {
-    /// Adds to each error in a generic callable the call for which it is checked.
-    fn say_for_whom(&mut self, header: &Header, called: Span) {
-        let mut findings = std::mem::take(&mut self.findings);
-        let is_error = |finding: &Finding| finding.severity() == Severity::Error;
-        if self.c.faulty_generics.contains(&header.decl) {
-            findings.retain(|finding| !is_error(finding));
-        }
-        let text = format!("in `{}`, called here", header.name);
-        if self.c.is_of_library(header.decl) {
-            // The library has no errors of its own, so the arguments of this call are the cause.
-            let first = findings.into_iter().find(is_error);
-            self.findings
-                .extend(first.map(|first| first.because_of(called, text)));
-            return;
-        }
-        let named = |finding: Finding| match is_error(&finding) {
-            true => finding.also(called, text.clone()),
-            false => finding,
-        };
-        // An error is reported for one call only, even if its message differs for another one.
-        let told = &mut self.c.told_of_instances;
-        let is_new = |finding: &Finding| {
-            !is_error(finding) || told.insert((header.decl, finding.code, finding.span()))
-        };
-        let findings = findings.into_iter().filter(is_new).map(named);
-        self.findings = findings.collect();
+/// Adds to each error in a generic callable the call for which it is checked.
+fn attribute_to_call(cx: &mut Body<'_, '_>, header: &Header, called: Span) {
+    let mut findings = std::mem::take(&mut cx.findings);
+    let is_error = |finding: &Finding| finding.severity() == Severity::Error;
+    if cx.c.faulty_generics.contains(&header.decl) {
+        findings.retain(|finding| !is_error(finding));
     }
-
-    fn check_decl(&mut self, id: DeclId) {
-        self.declare_ports(id);
-        // The header has reported the errors in the ports.
-        self.findings.clear();
-        match self.c.program.decl(id).kind {
-            DeclKind::Node(node) => self.check_node(node),
-            DeclKind::Fragment(fragment) => self.check_fragment(fragment),
-            DeclKind::Primitive(primitive) => self.check_primitive(primitive),
-            DeclKind::Command(command) => self.check_command(command),
-            DeclKind::Test(test) => self.check_body(&test.body),
-            DeclKind::Task(task) => self.check_task(task),
-            _ => {}
-        }
+    let text = format!("in `{}`, called here", header.name);
+    if cx.c.is_of_library(header.decl) {
+        // The library has no errors of its own, so the arguments of this call are the cause.
+        let first = findings.into_iter().find(is_error);
+        cx.findings
+            .extend(first.map(|first| first.because_of(called, text)));
+        return;
     }
+    let named = |finding: Finding| match is_error(&finding) {
+        true => finding.also(called, text.clone()),
+        false => finding,
+    };
+    // An error is reported for one call only, even if its message differs for another one.
+    let told = &mut cx.c.told_of_instances;
+    let is_new = |finding: &Finding| {
+        !is_error(finding) || told.insert((header.decl, finding.code, finding.span()))
+    };
+    let findings = findings.into_iter().filter(is_new).map(named);
+    cx.findings = findings.collect();
+}
 
-    fn check_node(&mut self, node: &'a NodeDecl) {
-        self.check_modifier(node);
-        self.is_contract = node.kind == NodeKind::Contract;
-        match &node.definition {
-            NodeDef::Body(body) => {
-                let allowed = match node.kind {
-                    NodeKind::Contract => node.signature.outputs.as_deref(),
-                    _ => None,
-                };
-                let assumed = self.check_body_with(node.contract.as_ref(), Some(body));
-                self.check_assumptions(&assumed, allowed.unwrap_or_default());
-                if let (NodeKind::Contract, Some(contract)) = (node.kind, &node.contract) {
-                    self.give_modes(contract);
-                }
-            }
-            NodeDef::Alias(callee) => self.check_alias(callee),
-            NodeDef::Extern => {
-                let assumed = self.check_body_with(node.contract.as_ref(), None);
-                self.check_assumptions(&assumed, &[]);
+fn check_decl(cx: &mut Body<'_, '_>, id: DeclId) {
+    header::declare_ports(cx, id);
+    // The header has reported the errors in the ports.
+    cx.findings.clear();
+    match cx.c.program.decl(id).kind {
+        DeclKind::Node(node) => check_node(cx, node),
+        DeclKind::Fragment(fragment) => check_fragment(cx, fragment),
+        DeclKind::Primitive(primitive) => prim::check_primitive(cx, primitive),
+        DeclKind::Command(command) => check_command(cx, command),
+        DeclKind::Test(test) => statement::check_body(cx, &test.body),
+        DeclKind::Task(task) => task::check_task(cx, task),
+        _ => {}
+    }
+}
+
+fn check_node<'a>(cx: &mut Body<'_, 'a>, node: &'a NodeDecl) {
+    check_modifier(cx, node);
+    cx.is_contract = node.kind == NodeKind::Contract;
+    match &node.definition {
+        NodeDef::Body(body) => {
+            let allowed = match node.kind {
+                NodeKind::Contract => node.signature.outputs.as_deref(),
+                _ => None,
+            };
+            let assumed = check_body_with(cx, node.contract.as_ref(), Some(body));
+            assumptions::check_assumptions(cx, &assumed, allowed.unwrap_or_default());
+            if let (NodeKind::Contract, Some(contract)) = (node.kind, &node.contract) {
+                imported::declare_mode_outputs(cx, contract);
             }
         }
-        self.unit.has_state = self.state_at.is_some();
-        if let (NodeKind::Function, Some(span)) = (node.kind, self.state_at) {
-            self.state_in_function(span);
+        NodeDef::Alias(callee) => alias::check_alias(cx, callee),
+        NodeDef::Extern => {
+            let assumed = check_body_with(cx, node.contract.as_ref(), None);
+            assumptions::check_assumptions(cx, &assumed, &[]);
         }
     }
+    cx.unit.has_state = cx.state_at.is_some();
+    if let (NodeKind::Function, Some(span)) = (node.kind, cx.state_at) {
+        state_in_function(cx, span);
+    }
+}
 
-    /// Reports a modifier that contradicts its declaration: a missing body or contract, or a body of an external
-    /// declaration.
-    fn check_modifier(&mut self, node: &NodeDecl) {
-        let has_body = matches!(node.definition, NodeDef::Body(_));
-        if has_body && let Some(outside) = node.outside.word() {
-            let name = &node.signature.name;
-            let message = format!("`{}` is external but has a body", name.name);
-            let finding = Finding::new(Code::RPI1014, message);
-            let finding = finding.at(name.span, format!("declared as `{outside}`"));
-            self.report(finding.help(format!("remove `{outside}` or the body")));
-        }
-        let lacks = match node.modifier {
-            Modifier::Opaque if node.contract.is_none() => {
-                "a contract, which is all that callers see"
-            }
-            Modifier::Transparent if !has_body => "a body, which callers see",
-            _ => return,
-        };
-        let message = format!("`{}` lacks {lacks}", node.signature.name.name);
-        self.report(
-            Finding::new(Code::RPI1014, message).at(node.signature.name.span, "declared here"),
-        );
+/// Reports a modifier that contradicts its declaration: a missing body or contract, or a body of an external
+/// declaration.
+fn check_modifier(cx: &mut Body<'_, '_>, node: &NodeDecl) {
+    let has_body = matches!(node.definition, NodeDef::Body(_));
+    if has_body && let Some(outside) = node.outside.word() {
+        let name = &node.signature.name;
+        let message = format!("`{}` is external but has a body", name.name);
+        let finding = Finding::new(Code::RPI1014, message);
+        let finding = finding.at(name.span, format!("declared as `{outside}`"));
+        report::report_diagnostic(cx, finding.help(format!("remove `{outside}` or the body")));
     }
+    let lacks = match node.modifier {
+        Modifier::Opaque if node.contract.is_none() => "a contract, which is all that callers see",
+        Modifier::Transparent if !has_body => "a body, which callers see",
+        _ => return,
+    };
+    let message = format!("`{}` lacks {lacks}", node.signature.name.name);
+    report::report_diagnostic(
+        cx,
+        Finding::new(Code::RPI1014, message).at(node.signature.name.span, "declared here"),
+    );
+}
 
-    fn state_in_function(&mut self, span: Span) {
-        let name = &self.unit.name;
-        let finding = match self.called_at(span) {
-            Some((kind, node)) => {
-                let message = format!("the function `{name}` calls the {kind} `{node}`");
-                Finding::new(Code::RPI3005, message)
-                    .at(span, format!("a {kind} may have state"))
-                    .help(format!("a function depends on its arguments alone: declare `{node}` as a `function`, too, or `{name}` as a `node`"))
-            }
-            None => Finding::new(Code::RPI3005, format!("the function `{name}` has state"))
-                .at(span, "this remembers earlier cycles")
-                .help("a function depends on its arguments alone; declare a `node`"),
-        };
-        self.report(finding.also(self.unit.span, "declared as a function here"));
-    }
+fn state_in_function(cx: &mut Body<'_, '_>, span: Span) {
+    let name = &cx.unit.name;
+    let finding = match called_at(cx, span) {
+        Some((kind, node)) => {
+            let message = format!("the function `{name}` calls the {kind} `{node}`");
+            Finding::new(Code::RPI3005, message)
+                .at(span, format!("a {kind} may have state"))
+                .help(format!("a function depends on its arguments alone: declare `{node}` as a `function`, too, or `{name}` as a `node`"))
+        }
+        None => Finding::new(Code::RPI3005, format!("the function `{name}` has state"))
+            .at(span, "this remembers earlier cycles")
+            .help("a function depends on its arguments alone; declare a `node`"),
+    };
+    report::report_diagnostic(
+        cx,
+        finding.also(cx.unit.span, "declared as a function here"),
+    );
+}
 
-    /// Returns the kind and the name of the node or fragment that is called at a location.
-    fn called_at(&self, span: Span) -> Option<(&'static str, rpi_syntax::Name)> {
-        let mut here = self.unit.exprs.iter().filter(|expr| expr.span == span);
-        here.find_map(|expr| match &expr.kind {
-            Kind::Call(call) => {
-                let header = &self.c.entries[call.unit.0 as usize].header;
-                let kind = match header.kind {
-                    UnitKind::Node => "node",
-                    UnitKind::Fragment => "fragment",
-                    _ => return None,
-                };
-                Some((kind, header.name.clone()))
-            }
-            _ => None,
-        })
-    }
+/// Returns the kind and the name of the node or fragment that is called at a location.
+fn called_at(cx: &Body<'_, '_>, span: Span) -> Option<(&'static str, rpi_syntax::Name)> {
+    let mut here = cx.unit.exprs.iter().filter(|expr| expr.span == span);
+    here.find_map(|expr| match &expr.kind {
+        Kind::Call(call) => {
+            let header = &cx.c.entries[call.unit.0 as usize].header;
+            let kind = match header.kind {
+                UnitKind::Node => "node",
+                UnitKind::Fragment => "fragment",
+                _ => return None,
+            };
+            Some((kind, header.name.clone()))
+        }
+        _ => None,
+    })
+}
 
-    fn check_fragment(&mut self, fragment: &'a FragmentDecl) {
-        if let Some(when) = &fragment.when {
-            let condition = self.condition(&when.condition, "the activation of a fragment");
-            self.current().when = Some(condition);
-            self.current().restart = when.restart;
-        }
-        if let Some(budget) = &fragment.budget {
-            self.current().budget_ns = self.nanoseconds(budget);
-        }
-        let assumed = self.check_body_with(fragment.contract.as_ref(), Some(&fragment.body));
-        self.check_assumptions(&assumed, &[]);
+fn check_fragment<'a>(cx: &mut Body<'_, 'a>, fragment: &'a FragmentDecl) {
+    if let Some(when) = &fragment.when {
+        let condition =
+            statement::check_condition(cx, &when.condition, "the activation of a fragment");
+        cx.current().when = Some(condition);
+        cx.current().restart = when.restart;
     }
+    if let Some(budget) = &fragment.budget {
+        cx.current().budget_ns = consts::const_nanoseconds(cx, budget);
+    }
+    let assumed = check_body_with(cx, fragment.contract.as_ref(), Some(&fragment.body));
+    assumptions::check_assumptions(cx, &assumed, &[]);
+}
 
-    fn check_command(&mut self, command: &'a CommandDecl) {
-        if let Some(budget) = &command.budget {
-            self.current().budget_ns = self.nanoseconds(budget);
-        }
-        let assumed = self.check_body_with(command.contract.as_ref(), Some(&command.body));
-        self.check_assumptions(&assumed, &[]);
+fn check_command<'a>(cx: &mut Body<'_, 'a>, command: &'a CommandDecl) {
+    if let Some(budget) = &command.budget {
+        cx.current().budget_ns = consts::const_nanoseconds(cx, budget);
     }
+    let assumed = check_body_with(cx, command.contract.as_ref(), Some(&command.body));
+    assumptions::check_assumptions(cx, &assumed, &[]);
+}
 
-    /// Checks a body and its contract; returns the assumptions of the contract. In Lustre the contract is checked
-    /// first, because it does not see the names of the body.
-    fn check_body_with(
-        &mut self,
-        contract: Option<&'a Contract>,
-        body: Option<&'a ast::Body>,
-    ) -> Vec<ExprId> {
-        let contract = contract.map(|contract| (self.declare_contract(contract), contract));
-        let (before, after) = match self.is_rpi() {
-            true => (None, contract),
-            false => (contract, None),
-        };
-        let mut assumed = Vec::new();
-        if let Some((block, contract)) = before {
-            assumed.extend(self.assumed_by(block, contract));
-        }
-        match body {
-            Some(body) => self.check_body(body),
-            None => self.check_equations(),
-        }
-        if let Some((block, contract)) = after {
-            assumed.extend(self.assumed_by(block, contract));
-        }
-        assumed
+/// Checks a body and its contract; returns the assumptions of the contract. In Lustre the contract is checked
+/// first, because it does not see the names of the body.
+fn check_body_with<'a>(
+    cx: &mut Body<'_, 'a>,
+    contract: Option<&'a Contract>,
+    body: Option<&'a ast::Body>,
+) -> Vec<ExprId> {
+    let contract = contract.map(|contract| (contract::declare_contract(cx, contract), contract));
+    let (before, after) = match reads_rpi_syntax(cx) {
+        true => (None, contract),
+        false => (contract, None),
+    };
+    let mut assumed = Vec::new();
+    if let Some((block, contract)) = before {
+        assumed.extend(assumptions::check_contract_assumptions(cx, block, contract));
     }
+    match body {
+        Some(body) => statement::check_body(cx, body),
+        None => statement::check_equations(cx),
+    }
+    if let Some((block, contract)) = after {
+        assumed.extend(assumptions::check_contract_assumptions(cx, block, contract));
+    }
+    assumed
+}
 
-    /// Whether the file is RPI text, not Lustre.
-    pub(super) fn is_rpi(&self) -> bool {
-        self.mode == rpi_syntax::Mode::Rpi
-    }
+/// Whether the file is RPI text, not Lustre.
+pub(super) fn reads_rpi_syntax(cx: &Body<'_, '_>) -> bool {
+    cx.mode == rpi_syntax::Mode::Rpi
 }
 
 /// Whether a declaration can be called.

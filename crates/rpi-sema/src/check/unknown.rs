@@ -2,7 +2,9 @@
 
 use super::body::Body;
 use super::foreign;
+use super::report;
 use super::report::unknown;
+use super::types;
 use rpi_diag::{Applicability, Code, Finding, Fix, Span};
 use rpi_syntax::Name;
 use rpi_syntax::ast::Ident;
@@ -17,83 +19,86 @@ const NOWHERE: &str = "not declared anywhere";
 /// Maximum number of further locations shown.
 const MAX_PLACES: usize = 3;
 
-impl Body<'_, '_> {
-    /// Reports an undefined name; `what` is its kind, `near` the most similar defined name.
-    pub(super) fn unknown_name(
-        &mut self,
-        what: &str,
-        name: &Name,
-        span: Span,
-        near: Option<String>,
-    ) {
-        let lacks_use = self.c.program.module(self.module).lacks_use;
-        let declaring = (self.c.program.library.declaring)(name);
-        let declaring = declaring.filter(|module| !self.c.program.is_hidden(module, name));
-        let finding = match declaring {
-            _ if lacks_use && near.is_none() => None,
-            Some(module) => Some(self.of_module_not_used(what, name, module, span)),
-            None if what == FLOW || near.is_some() => Some(unknown(what, name, span, near)),
-            None => {
-                let message = format!("undefined {what} `{name}`");
-                Some(Finding::new(Code::RPI1001, message).at(span, NOWHERE))
-            }
-        };
-        if let Some(finding) = finding {
-            self.report(finding);
+/// Reports an undefined name; `what` is its kind, `near` the most similar defined name.
+pub(super) fn report_undefined(
+    cx: &mut Body<'_, '_>,
+    what: &str,
+    name: &Name,
+    span: Span,
+    near: Option<String>,
+) {
+    let lacks_use = cx.c.program.module(cx.module).lacks_use;
+    let declaring = (cx.c.program.library.declaring)(name);
+    let declaring = declaring.filter(|module| !cx.c.program.is_hidden(module, name));
+    let finding = match declaring {
+        _ if lacks_use && near.is_none() => None,
+        Some(module) => Some(name_of_unused_module(cx, what, name, module, span)),
+        None if what == FLOW || near.is_some() => Some(unknown(what, name, span, near)),
+        None => {
+            let message = format!("undefined {what} `{name}`");
+            Some(Finding::new(Code::RPI1001, message).at(span, NOWHERE))
         }
+    };
+    if let Some(finding) = finding {
+        report::report_diagnostic(cx, finding);
     }
+}
 
-    /// Returns the diagnostic for a name of a module that is not used. Of several only the first is kept: see
-    /// [`once_for_each_fix`].
-    fn of_module_not_used(
-        &self,
-        what: &str,
-        name: &str,
-        module: &'static str,
-        span: Span,
-    ) -> Finding {
-        let start = Span {
-            start: 0,
-            end: 0,
-            ..span
-        };
-        let fix = Fix::sure(format!("use the module `{module}`"))
-            .replace(start, format!("use {module};\n"));
-        Finding::new(Code::RPI1001, format!("undefined {what} `{name}`"))
-            .at(
-                span,
-                format!("declared in the module `{module}`, which is not used"),
-            )
-            .fix(fix)
-    }
+/// Returns the diagnostic for a name of a module that is not used. Of several only the first is kept: see
+/// [`once_for_each_fix`].
+fn name_of_unused_module(
+    cx: &Body<'_, '_>,
+    what: &str,
+    name: &str,
+    module: &'static str,
+    span: Span,
+) -> Finding {
+    let start = Span {
+        start: 0,
+        end: 0,
+        ..span
+    };
+    let fix =
+        Fix::sure(format!("use the module `{module}`")).replace(start, format!("use {module};\n"));
+    Finding::new(Code::RPI1001, format!("undefined {what} `{name}`"))
+        .at(
+            span,
+            format!("declared in the module `{module}`, which is not used"),
+        )
+        .fix(fix)
+}
 
-    /// Reports an undefined type.
-    pub(super) fn unknown_type(&mut self, name: &Name, span: Span) {
-        if let Some(here) = foreign::type_here(name) {
-            return self.other_name("type", name, span, here);
-        }
-        if let Some(help) = foreign::no_type(name) {
-            let message = format!("undefined type `{name}`");
-            let finding =
-                Finding::new(Code::RPI1001, message).at(span, "a type of another language");
-            return self.report(finding.help(help));
-        }
-        let near = self.near_type(name);
-        self.unknown_name("type", name, span, near);
+/// Reports an undefined type.
+pub(super) fn report_undefined_type(cx: &mut Body<'_, '_>, name: &Name, span: Span) {
+    if let Some(here) = foreign::type_here(name) {
+        return report_foreign_name(cx, "type", name, span, here);
     }
+    if let Some(help) = foreign::no_type(name) {
+        let message = format!("undefined type `{name}`");
+        let finding = Finding::new(Code::RPI1001, message).at(span, "a type of another language");
+        return report::report_diagnostic(cx, finding.help(help));
+    }
+    let near = types::similar_type(cx, name);
+    report_undefined(cx, "type", name, span, near);
+}
 
-    /// Reports a name from another language; `here` is the name in this one.
-    pub(super) fn other_name(&mut self, what: &str, name: &str, span: Span, here: &str) {
-        let title = format!("write `{here}`");
-        let fix = match foreign::differs_by_name(name, here) {
-            true => Fix::sure(title),
-            false => Fix::maybe(title),
-        };
-        let finding = Finding::new(Code::RPI1001, format!("undefined {what} `{name}`"))
-            .at(span, format!("here it is called `{here}`"))
-            .fix(fix.replace(span, here));
-        self.report(finding);
-    }
+/// Reports a name from another language; `here` is the name in this one.
+pub(super) fn report_foreign_name(
+    cx: &mut Body<'_, '_>,
+    what: &str,
+    name: &str,
+    span: Span,
+    here: &str,
+) {
+    let title = format!("write `{here}`");
+    let fix = match foreign::differs_by_name(name, here) {
+        true => Fix::sure(title),
+        false => Fix::maybe(title),
+    };
+    let finding = Finding::new(Code::RPI1001, format!("undefined {what} `{name}`"))
+        .at(span, format!("here it is called `{here}`"))
+        .fix(fix.replace(span, here));
+    report::report_diagnostic(cx, finding);
 }
 
 /// Returns the diagnostic for a state that no automaton around a transition has; `near` is the most similar state.

@@ -1,44 +1,44 @@
 //! Types of values. A device is not one: it is a parameter whose ports have values.
 
 use super::body::Body;
+use super::report;
 use super::report::not_a;
+use super::types;
 use crate::program::{DeclId, DeclKind, Lookup, Space};
 use crate::ty::Ty;
 use rpi_diag::Span;
 use rpi_syntax::ast::{Type, TypeKind};
 
-impl<'a> Body<'_, 'a> {
-    /// Resolves the type of a value; reports a device.
-    pub(super) fn value_ty(&mut self, ty: &'a Type) -> Ty {
-        // Recognised by its name alone: the declaration of the device may need this very type.
-        if let Some(device) = self.named_device(ty) {
-            let declared = self.c.program.decl(device);
-            return self.device_as_value(&declared.name, ty.span, declared.span);
-        }
-        match self.ty(ty) {
-            Ty::Device(device) => self.device_as_value(&device.name, ty.span, Span::NONE),
-            ty => ty,
-        }
+/// Resolves the type of a value; reports a device.
+pub(super) fn resolve_value_type<'a>(cx: &mut Body<'_, 'a>, ty: &'a Type) -> Ty {
+    // Recognised by its name alone: the declaration of the device may need this very type.
+    if let Some(device) = named_device(cx, ty) {
+        let declared = cx.c.program.decl(device);
+        return device_as_value(cx, &declared.name, ty.span, declared.span);
     }
-
-    fn device_as_value(&mut self, name: &str, at: Span, declared: Span) -> Ty {
-        let finding = not_a("a type of values", name, "a device", at, declared);
-        self.report(finding.help(HELP));
-        Ty::Unknown
+    match types::resolve_type(cx, ty) {
+        Ty::Device(device) => device_as_value(cx, &device.name, ty.span, Span::NONE),
+        ty => ty,
     }
+}
 
-    fn named_device(&self, ty: &Type) -> Option<DeclId> {
-        let TypeKind::Named(named) = &ty.kind else {
-            return None;
-        };
-        let name = &named.name.name;
-        match self.c.program.lookup_in(Space::Type, self.module, name) {
-            Lookup::Found(id) if !self.statics.contains_key(name) => {
-                let kind = self.c.program.decl(id).kind;
-                matches!(kind, DeclKind::Device(_)).then_some(id)
-            }
-            _ => None,
+fn device_as_value(cx: &mut Body<'_, '_>, name: &str, at: Span, declared: Span) -> Ty {
+    let finding = not_a("a type of values", name, "a device", at, declared);
+    report::report_diagnostic(cx, finding.help(HELP));
+    Ty::Unknown
+}
+
+fn named_device(cx: &Body<'_, '_>, ty: &Type) -> Option<DeclId> {
+    let TypeKind::Named(named) = &ty.kind else {
+        return None;
+    };
+    let name = &named.name.name;
+    match cx.c.program.lookup_in(Space::Type, cx.module, name) {
+        Lookup::Found(id) if !cx.statics.contains_key(name) => {
+            let kind = cx.c.program.decl(id).kind;
+            matches!(kind, DeclKind::Device(_)).then_some(id)
         }
+        _ => None,
     }
 }
 

@@ -1,6 +1,7 @@
 //! Values that a command takes over (`given`). Each command that may run before it must export them under the same
 //! names (M7.3).
 
+use super::super::report;
 use super::{Labels, Then};
 use crate::check::body::Body;
 use crate::program::DeclKind;
@@ -51,137 +52,134 @@ struct Taken {
     declared: Span,
 }
 
-impl<'a> Body<'_, 'a> {
-    /// Checks that the values which commands take over are provided; reports each missing value once for a step.
-    /// Whether a provided value may be absent is checked later.
-    pub(super) fn hand_over(&mut self, follows: &[Follows<'a>]) {
-        let mut told: Vec<(Span, Name)> = Vec::new();
-        for (before, run) in follows {
-            let Some(step) = self.step_of(run).filter(|step| self.is_command(*step)) else {
-                continue;
-            };
-            for taken in self.taken_over(self.unit.steps[step].unit) {
-                let key = (run.callee.span, taken.name.clone());
-                if told.contains(&key) {
-                    continue;
-                }
-                match self.handed(&taken, before, run) {
-                    Ok(handed) => self.unit.steps[step].handed.extend(handed),
-                    Err(finding) => {
-                        self.report(*finding);
-                        told.push(key);
-                    }
-                }
-            }
-        }
-    }
-
-    /// Returns the sources of a value that a step takes over from the steps before it, or the diagnostic for a missing
-    /// value.
-    fn handed(
-        &mut self,
-        taken: &Taken,
-        before: &Before<'a>,
-        run: &Run,
-    ) -> Result<Vec<Handed>, Box<Finding>> {
-        match before {
-            Before::Nothing => Err(Box::new(
-                not_handed(taken, run)
-                    .help("no command runs before it; declare it as a parameter of the command"),
-            )),
-            Before::Run(before) => self.handed_by_all(taken, &[before], run),
-            Before::Strands(strands) => {
-                let mut wrong = None;
-                for ends in strands.iter().filter(|ends| !ends.is_empty()) {
-                    match self.handed_by_all(taken, ends, run) {
-                        Ok(handed) => return Ok(handed),
-                        Err(finding) => wrong = wrong.or(Some(finding)),
-                    }
-                }
-                wrong.map_or(Ok(Vec::new()), Err)
-            }
-        }
-    }
-
-    /// Returns the sources of a value that each of these commands must provide. Inner tasks are skipped.
-    fn handed_by_all(
-        &mut self,
-        taken: &Taken,
-        before: &[&Run],
-        run: &Run,
-    ) -> Result<Vec<Handed>, Box<Finding>> {
-        let mut all = Vec::new();
-        for before in before {
-            if let Some(unit) = self.command_of(before) {
-                all.push(self.handed_by(taken, (unit, before.callee.span), run)?);
-            }
-        }
-        Ok(all)
-    }
-
-    /// Returns the unit of the command that a step runs; `None` for a task, and before the arguments are known.
-    pub(super) fn command_of(&self, run: &Run) -> Option<UnitId> {
-        let step = self.step_of(run).filter(|step| self.is_command(*step))?;
-        Some(self.unit.steps[step].unit)
-    }
-
-    /// Returns the index of the task step for a run; `None` before its arguments are known.
-    fn step_of(&self, run: &Run) -> Option<usize> {
-        let mut steps = self.unit.steps.iter();
-        steps.position(|step| step.span == run.callee.span)
-    }
-
-    fn is_command(&self, step: usize) -> bool {
-        let decl = self.c.program.decl(self.unit.steps[step].decl);
-        matches!(decl.kind, DeclKind::Command(_))
-    }
-
-    fn taken_over(&mut self, unit: UnitId) -> Vec<Taken> {
-        self.c.check_now(unit);
-        let unit = &self.c.units[unit.0 as usize];
-        let flows = unit.inputs.iter().map(|id| (*id, unit.flow(*id)));
-        let given =
-            flows.filter(|(_, flow)| flow.role == FlowRole::Given && flow.default.is_none());
-        given
-            .map(|(id, flow)| Taken {
-                flow: id,
-                name: flow.name.clone(),
-                ty: flow.ty.clone(),
-                declared: flow.span,
-            })
-            .collect()
-    }
-
-    fn handed_by(
-        &mut self,
-        taken: &Taken,
-        (before, span): (UnitId, Span),
-        run: &Run,
-    ) -> Result<Handed, Box<Finding>> {
-        let Taken { flow, name, ty, .. } = taken;
-        self.c.check_now(before);
-        let unit = &self.c.units[before.0 as usize];
-        debug_assert!(unit.kind == UnitKind::Command);
-        let mut exports = unit.block(BlockId::ROOT).exports.iter().enumerate();
-        let Some((index, export)) = exports.find(|(_, export)| export.key == name.as_str()) else {
-            let help = format!("add `export {name};` to `{}`", unit.name);
-            let finding = not_handed(taken, run).also(span, "this runs before it");
-            return Err(Box::new(finding.help(help)));
+/// Checks that the values which commands take over are provided; reports each missing value once for a step.
+/// Whether a provided value may be absent is checked later.
+pub(super) fn check_handover<'a>(cx: &mut Body<'_, 'a>, follows: &[Follows<'a>]) {
+    let mut told: Vec<(Span, Name)> = Vec::new();
+    for (before, run) in follows {
+        let Some(step) = task_step_of(cx, run).filter(|step| is_command_step(cx, *step)) else {
+            continue;
         };
-        let found = &unit.expr(export.value).ty;
-        let [wanted, handed] = [ty, found].map(|ty| crate::check::outside_type(ty).0);
-        match fit(&wanted, &handed, &mut Subst::default()) {
-            // Frames have the names of the parameters of each command, so they may differ.
-            Ok(()) | Err(Misfit::Frame { .. }) => Ok(Handed {
-                flow: *flow,
-                by: before,
-                export: index,
-                span,
-            }),
-            Err(_) => {
-                let text = format!("this `{name}` is `{found}`, expected `{ty}`");
-                Err(Box::new(not_handed(taken, run).also(export.span, text)))
+        for taken in taken_over_inputs(cx, cx.unit.steps[step].unit) {
+            let key = (run.callee.span, taken.name.clone());
+            if told.contains(&key) {
+                continue;
             }
+            match value_sources(cx, &taken, before, run) {
+                Ok(handed) => cx.unit.steps[step].handed.extend(handed),
+                Err(finding) => {
+                    report::report_diagnostic(cx, *finding);
+                    told.push(key);
+                }
+            }
+        }
+    }
+}
+
+/// Returns the sources of a value that a step takes over from the steps before it, or the diagnostic for a missing
+/// value.
+fn value_sources<'a>(
+    cx: &mut Body<'_, 'a>,
+    taken: &Taken,
+    before: &Before<'a>,
+    run: &Run,
+) -> Result<Vec<Handed>, Box<Finding>> {
+    match before {
+        Before::Nothing => Err(Box::new(
+            not_handed(taken, run)
+                .help("no command runs before it; declare it as a parameter of the command"),
+        )),
+        Before::Run(before) => sources_from_all(cx, taken, &[before], run),
+        Before::Strands(strands) => {
+            let mut wrong = None;
+            for ends in strands.iter().filter(|ends| !ends.is_empty()) {
+                match sources_from_all(cx, taken, ends, run) {
+                    Ok(handed) => return Ok(handed),
+                    Err(finding) => wrong = wrong.or(Some(finding)),
+                }
+            }
+            wrong.map_or(Ok(Vec::new()), Err)
+        }
+    }
+}
+
+/// Returns the sources of a value that each of these commands must provide. Inner tasks are skipped.
+fn sources_from_all(
+    cx: &mut Body<'_, '_>,
+    taken: &Taken,
+    before: &[&Run],
+    run: &Run,
+) -> Result<Vec<Handed>, Box<Finding>> {
+    let mut all = Vec::new();
+    for before in before {
+        if let Some(unit) = command_of(cx, before) {
+            all.push(source_from(cx, taken, (unit, before.callee.span), run)?);
+        }
+    }
+    Ok(all)
+}
+
+/// Returns the unit of the command that a step runs; `None` for a task, and before the arguments are known.
+pub(super) fn command_of(cx: &Body<'_, '_>, run: &Run) -> Option<UnitId> {
+    let step = task_step_of(cx, run).filter(|step| is_command_step(cx, *step))?;
+    Some(cx.unit.steps[step].unit)
+}
+
+/// Returns the index of the task step for a run; `None` before its arguments are known.
+fn task_step_of(cx: &Body<'_, '_>, run: &Run) -> Option<usize> {
+    let mut steps = cx.unit.steps.iter();
+    steps.position(|step| step.span == run.callee.span)
+}
+
+fn is_command_step(cx: &Body<'_, '_>, step: usize) -> bool {
+    let decl = cx.c.program.decl(cx.unit.steps[step].decl);
+    matches!(decl.kind, DeclKind::Command(_))
+}
+
+fn taken_over_inputs(cx: &mut Body<'_, '_>, unit: UnitId) -> Vec<Taken> {
+    cx.c.check_now(unit);
+    let unit = &cx.c.units[unit.0 as usize];
+    let flows = unit.inputs.iter().map(|id| (*id, unit.flow(*id)));
+    let given = flows.filter(|(_, flow)| flow.role == FlowRole::Given && flow.default.is_none());
+    given
+        .map(|(id, flow)| Taken {
+            flow: id,
+            name: flow.name.clone(),
+            ty: flow.ty.clone(),
+            declared: flow.span,
+        })
+        .collect()
+}
+
+fn source_from(
+    cx: &mut Body<'_, '_>,
+    taken: &Taken,
+    (before, span): (UnitId, Span),
+    run: &Run,
+) -> Result<Handed, Box<Finding>> {
+    let Taken { flow, name, ty, .. } = taken;
+    cx.c.check_now(before);
+    let unit = &cx.c.units[before.0 as usize];
+    debug_assert!(unit.kind == UnitKind::Command);
+    let mut exports = unit.block(BlockId::ROOT).exports.iter().enumerate();
+    let Some((index, export)) = exports.find(|(_, export)| export.key == name.as_str()) else {
+        let help = format!("add `export {name};` to `{}`", unit.name);
+        let finding = not_handed(taken, run).also(span, "this runs before it");
+        return Err(Box::new(finding.help(help)));
+    };
+    let found = &unit.expr(export.value).ty;
+    let [wanted, handed] = [ty, found].map(|ty| crate::check::outside_type(ty).0);
+    match fit(&wanted, &handed, &mut Subst::default()) {
+        // Frames have the names of the parameters of each command, so they may differ.
+        Ok(()) | Err(Misfit::Frame { .. }) => Ok(Handed {
+            flow: *flow,
+            by: before,
+            export: index,
+            span,
+        }),
+        Err(_) => {
+            let text = format!("this `{name}` is `{found}`, expected `{ty}`");
+            Err(Box::new(not_handed(taken, run).also(export.span, text)))
         }
     }
 }

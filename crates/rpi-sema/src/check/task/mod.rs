@@ -17,10 +17,17 @@ mod takeover;
 
 pub(super) use parallel::Uses;
 
+use super::args;
 use super::body::Body;
+use super::call;
 use super::call::Fitted;
+use super::consts;
+use super::expr;
 use super::phrases;
+use super::report;
 use super::report::{Wanted, not_a, unknown};
+use super::statement;
+use super::statics;
 use crate::program::{DeclId, DeclKind, Lookup, twice};
 use crate::ty::Ty;
 use crate::typed::{ExprId, TaskStep};
@@ -49,192 +56,205 @@ impl<'a> Then<'a> {
     }
 }
 
-impl<'a> Body<'_, 'a> {
-    /// Checks a task.
-    pub(super) fn check_task(&mut self, task: &'a TaskDecl) {
-        let first = first_of(&task.steps).into_iter();
-        let mut follows: Vec<Follows<'a>> = first.map(|run| (Before::Nothing, run)).collect();
-        let nothing = Then::default();
-        self.steps(&task.steps, &nothing, &mut Labels::new(), &mut follows);
-        self.hand_over(&follows);
-        self.strands_apart(task);
-    }
+/// Checks a task.
+pub(super) fn check_task<'a>(cx: &mut Body<'_, 'a>, task: &'a TaskDecl) {
+    let first = first_of(&task.steps).into_iter();
+    let mut follows: Vec<Follows<'a>> = first.map(|run| (Before::Nothing, run)).collect();
+    let nothing = Then::default();
+    check_steps(cx, &task.steps, &nothing, &mut Labels::new(), &mut follows);
+    handing::check_handover(cx, &follows);
+    parallel::check_parallel_devices(cx, task);
+}
 
-    /// Checks a list of steps; `again` are the steps after the last one, which in a `repeat` are the first ones of the
-    /// list.
-    fn steps(
-        &mut self,
-        steps: &'a [Step],
-        again: &Then<'a>,
-        labels: &mut Labels<'a>,
-        follows: &mut Vec<Follows<'a>>,
-    ) {
-        let outer = labels.len();
-        for run in steps.iter().filter_map(run_of) {
-            let Some(label) = &run.label else { continue };
-            let same = labels[outer..]
-                .iter()
-                .find(|(known, _)| known.name == label.name);
-            if let Some((first, _)) = same {
-                let finding = twice(&label.name, label.span, first.span);
-                self.report(finding);
-            }
-            labels.push((label, run));
-        }
-        for (k, step) in steps.iter().enumerate() {
-            let next = match steps.get(k + 1) {
-                Some(next) => Then::in_turn(entry_of(next)),
-                None => again.clone(),
-            };
-            match &step.kind {
-                StepKind::Run(run) => {
-                    self.run(run, &next.runs, labels);
-                    follows.extend(handing::followers(run, &next, labels));
-                }
-                StepKind::Repeat { count, steps } => {
-                    self.times(count.as_ref());
-                    let first = Then::in_turn(first_of(steps));
-                    self.steps(steps, &first, labels, follows);
-                }
-                StepKind::Parallel(strands) => self.strands(strands, &next, follows),
-                StepKind::Start(label) => {
-                    self.label(label, labels);
-                }
-                StepKind::Broken(_) => {}
-            }
-        }
-        labels.truncate(outer);
-    }
-
-    /// Checks parallel branches. From inside of a branch no step outside can be reached by label.
-    fn strands(&mut self, strands: &'a [Strand], next: &Then<'a>, follows: &mut Vec<Follows<'a>>) {
-        let joined = Then {
-            runs: next.runs.clone(),
-            joins: true,
-        };
-        for strand in strands {
-            self.steps(&strand.steps, &joined, &mut Labels::new(), follows);
-        }
-        let ends: Vec<Vec<&'a Run>> = strands.iter().map(|s| lasts(&s.steps)).collect();
-        if !next.joins {
-            let all = next.runs.iter().copied();
-            follows.extend(all.map(|run| (Before::Strands(ends.clone()), run)));
-        }
-    }
-
-    /// Returns the step of a label; reports an undefined label.
-    fn label(&mut self, label: &Ident, labels: &Labels<'a>) -> Option<&'a Run> {
-        let found = labels
+/// Checks a list of steps; `again` are the steps after the last one, which in a `repeat` are the first ones of the
+/// list.
+fn check_steps<'a>(
+    cx: &mut Body<'_, 'a>,
+    steps: &'a [Step],
+    again: &Then<'a>,
+    labels: &mut Labels<'a>,
+    follows: &mut Vec<Follows<'a>>,
+) {
+    let outer = labels.len();
+    for run in steps.iter().filter_map(run_of) {
+        let Some(label) = &run.label else { continue };
+        let same = labels[outer..]
             .iter()
-            .rev()
             .find(|(known, _)| known.name == label.name);
-        if found.is_none() {
-            let names = labels.iter().map(|(known, _)| known.name.as_str());
-            let near = self.c.suggest(&label.name, names);
-            self.report(unknown("step", &label.name, label.span, near));
+        if let Some((first, _)) = same {
+            let finding = twice(&label.name, label.span, first.span);
+            report::report_diagnostic(cx, finding);
         }
-        found.map(|(_, run)| *run)
+        labels.push((label, run));
     }
-
-    /// Checks a number of repetitions: an integer that is known when the task is loaded.
-    fn times(&mut self, count: Option<&'a Expr>) {
-        let Some(count) = count else { return };
-        let value = self.expr(count);
-        if !self.expect(value, &Ty::Int, &Wanted::Here) || !self.is_known(value) {
-            return;
-        }
-        let known = self.try_fold(value).ok();
-        match known.and_then(|leaves| leaves.first()?.as_int()) {
-            Some(times) if !(0..=MAX_TIMES).contains(&times) => self.not_so_often(times, count),
-            _ => self.unit.counts.push((count.span, value)),
+    for (k, step) in steps.iter().enumerate() {
+        let next = match steps.get(k + 1) {
+            Some(next) => Then::in_turn(entry_of(next)),
+            None => again.clone(),
+        };
+        match &step.kind {
+            StepKind::Run(run) => {
+                check_run(cx, run, &next.runs, labels);
+                follows.extend(handing::followers(run, &next, labels));
+            }
+            StepKind::Repeat { count, steps } => {
+                check_repeat_count(cx, count.as_ref());
+                let first = Then::in_turn(first_of(steps));
+                check_steps(cx, steps, &first, labels, follows);
+            }
+            StepKind::Parallel(strands) => check_parallel(cx, strands, &next, follows),
+            StepKind::Start(label) => {
+                find_label(cx, label, labels);
+            }
+            StepKind::Broken(_) => {}
         }
     }
+    labels.truncate(outer);
+}
 
-    fn not_so_often(&mut self, times: i64, count: &Expr) {
-        let message = format!("number of repetitions out of range: {times}");
-        let finding = Finding::new(Code::RPI8006, message)
-            .at(count.span, format!("must be from 0 to {MAX_TIMES}"));
-        self.report(match times > 0 {
+/// Checks parallel branches. From inside of a branch no step outside can be reached by label.
+fn check_parallel<'a>(
+    cx: &mut Body<'_, 'a>,
+    strands: &'a [Strand],
+    next: &Then<'a>,
+    follows: &mut Vec<Follows<'a>>,
+) {
+    let joined = Then {
+        runs: next.runs.clone(),
+        joins: true,
+    };
+    for strand in strands {
+        check_steps(cx, &strand.steps, &joined, &mut Labels::new(), follows);
+    }
+    let ends: Vec<Vec<&'a Run>> = strands.iter().map(|s| lasts(&s.steps)).collect();
+    if !next.joins {
+        let all = next.runs.iter().copied();
+        follows.extend(all.map(|run| (Before::Strands(ends.clone()), run)));
+    }
+}
+
+/// Returns the step of a label; reports an undefined label.
+fn find_label<'a>(cx: &mut Body<'_, 'a>, label: &Ident, labels: &Labels<'a>) -> Option<&'a Run> {
+    let found = labels
+        .iter()
+        .rev()
+        .find(|(known, _)| known.name == label.name);
+    if found.is_none() {
+        let names = labels.iter().map(|(known, _)| known.name.as_str());
+        let near = cx.c.suggest(&label.name, names);
+        report::report_diagnostic(cx, unknown("step", &label.name, label.span, near));
+    }
+    found.map(|(_, run)| *run)
+}
+
+/// Checks a number of repetitions: an integer that is known when the task is loaded.
+fn check_repeat_count<'a>(cx: &mut Body<'_, 'a>, count: Option<&'a Expr>) {
+    let Some(count) = count else { return };
+    let value = expr::check_expr(cx, count);
+    if !statement::expect_type(cx, value, &Ty::Int, &Wanted::Here)
+        || !check_known_at_load(cx, value)
+    {
+        return;
+    }
+    let known = consts::try_fold(cx, value).ok();
+    match known.and_then(|leaves| leaves.first()?.as_int()) {
+        Some(times) if !(0..=MAX_TIMES).contains(&times) => {
+            repeat_count_out_of_range(cx, times, count)
+        }
+        _ => cx.unit.counts.push((count.span, value)),
+    }
+}
+
+fn repeat_count_out_of_range(cx: &mut Body<'_, '_>, times: i64, count: &Expr) {
+    let message = format!("number of repetitions out of range: {times}");
+    let finding = Finding::new(Code::RPI8006, message)
+        .at(count.span, format!("must be from 0 to {MAX_TIMES}"));
+    report::report_diagnostic(
+        cx,
+        match times > 0 {
             true => finding.help("`repeat let ... tel` repeats without end"),
             false => finding.help("use a number that is not negative"),
-        });
-    }
+        },
+    );
+}
 
-    /// Whether a value is known when the task is loaded; reports a value that is not.
-    fn is_known(&mut self, value: ExprId) -> bool {
-        let known = self.is_fixed(value);
-        if !known {
-            let finding = Finding::new(Code::RPI2008, "a constant is needed here")
-                .at(self.span_of(value), "this changes while commands run");
-            self.report(finding);
-        }
-        known
+/// Whether a value is known when the task is loaded; reports a value that is not.
+fn check_known_at_load(cx: &mut Body<'_, '_>, value: ExprId) -> bool {
+    let known = args::is_load_time_constant(cx, value);
+    if !known {
+        let finding = Finding::new(Code::RPI2008, "a constant is needed here")
+            .at(cx.span_of(value), "this changes while commands run");
+        report::report_diagnostic(cx, finding);
     }
+    known
+}
 
-    fn run(&mut self, run: &'a Run, next: &[&'a Run], labels: &Labels<'a>) {
-        if let Some(id) = self.run_by(run) {
-            self.arguments(id, run);
-            match self.c.program.decl(id).kind {
-                DeclKind::Command(command) => {
-                    self.branches(command, run);
-                    self.successors(command, run, next, labels);
-                }
-                _ => self.no_results(run),
+fn check_run<'a>(cx: &mut Body<'_, 'a>, run: &'a Run, next: &[&'a Run], labels: &Labels<'a>) {
+    if let Some(id) = resolve_run(cx, run) {
+        check_run_arguments(cx, id, run);
+        match cx.c.program.decl(id).kind {
+            DeclKind::Command(command) => {
+                results::check_branches(cx, command, run);
+                takeover::check_successors(cx, command, run, next, labels);
             }
-        }
-        for branch in &run.branches {
-            if let Next::Step(label) = &branch.then {
-                self.label(label, labels);
-            }
+            _ => results::report_task_results(cx, run),
         }
     }
+    for branch in &run.branches {
+        if let Next::Step(label) = &branch.then {
+            find_label(cx, label, labels);
+        }
+    }
+}
 
-    /// Returns the command or task that a step runs; reports any other name.
-    fn run_by(&mut self, run: &'a Run) -> Option<DeclId> {
-        let name = &run.callee.name;
-        let Lookup::Found(id) = self.c.program.lookup(self.module, &name.name) else {
-            let runs = |id: DeclId| is_run(self.c.program.decl(id).kind);
-            let visible = self.c.program.visible(self.module, runs);
-            let near = self.c.suggest(&name.name, visible);
-            let finding = unknown("command or task", &name.name, name.span, near);
-            self.report(match phrases::of_step(&name.name) {
+/// Returns the command or task that a step runs; reports any other name.
+fn resolve_run<'a>(cx: &mut Body<'_, 'a>, run: &'a Run) -> Option<DeclId> {
+    let name = &run.callee.name;
+    let Lookup::Found(id) = cx.c.program.lookup(cx.module, &name.name) else {
+        let runs = |id: DeclId| is_run(cx.c.program.decl(id).kind);
+        let visible = cx.c.program.visible(cx.module, runs);
+        let near = cx.c.suggest(&name.name, visible);
+        let finding = unknown("command or task", &name.name, name.span, near);
+        report::report_diagnostic(
+            cx,
+            match phrases::of_step(&name.name) {
                 Some(help) => finding.help(help),
                 None => finding,
-            });
-            return None;
-        };
-        let decl = self.c.program.decl(id);
-        let (kind, span) = (decl.kind, decl.span);
-        if is_run(kind) {
-            return Some(id);
-        }
-        if !matches!(kind, DeclKind::Broken(_)) {
-            let what = "a command or task";
-            self.report(not_a(what, &name.name, kind.what(), name.span, span));
-        }
-        None
+            },
+        );
+        return None;
+    };
+    let decl = cx.c.program.decl(id);
+    let (kind, span) = (decl.kind, decl.span);
+    if is_run(kind) {
+        return Some(id);
     }
+    if !matches!(kind, DeclKind::Broken(_)) {
+        let what = "a command or task";
+        report::report_diagnostic(cx, not_a(what, &name.name, kind.what(), name.span, span));
+    }
+    None
+}
 
-    /// Checks the arguments of a step, and adds the step to the unit.
-    fn arguments(&mut self, id: DeclId, run: &'a Run) {
-        let bound = self.bind(id, &run.callee.statics);
-        let (mut given, all_named) = self.given_to(id, &run.args.iter().collect::<Vec<_>>());
-        given.extend(bound.ports);
-        if bound.faulty || !all_named {
-            return;
-        }
-        let span = run.callee.span;
-        if let Ok(Fitted { header, args, .. }) = self.fitted(id, bound.statics, given, span)
-            && let Some(unit) = self.c.unit(&header, span)
-        {
-            self.unit.steps.push(TaskStep {
-                span,
-                decl: id,
-                unit,
-                args,
-                handed: Vec::new(),
-            });
-        }
+/// Checks the arguments of a step, and adds the step to the unit.
+fn check_run_arguments<'a>(cx: &mut Body<'_, 'a>, id: DeclId, run: &'a Run) {
+    let bound = statics::bind_statics(cx, id, &run.callee.statics);
+    let (mut given, all_named) = args::check_args_for(cx, id, &run.args.iter().collect::<Vec<_>>());
+    given.extend(bound.ports);
+    if bound.faulty || !all_named {
+        return;
+    }
+    let span = run.callee.span;
+    if let Ok(Fitted { header, args, .. }) = call::match_call(cx, id, bound.statics, given, span)
+        && let Some(unit) = cx.c.unit(&header, span)
+    {
+        cx.unit.steps.push(TaskStep {
+            span,
+            decl: id,
+            unit,
+            args,
+            handed: Vec::new(),
+        });
     }
 }
 

@@ -3,6 +3,7 @@
 //! Devices are tracked by name, through the arguments of commands and of the tasks that steps run. Two names are two
 //! devices, unless a task gets one device for two of its parameters, which is checked where the task is run.
 
+use super::super::report;
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
@@ -37,19 +38,17 @@ struct Clash {
     within: Option<(Name, Name, Name)>,
 }
 
-impl Body<'_, '_> {
-    /// Checks that parallel branches drive different devices.
-    pub(super) fn strands_apart(&mut self, task: &TaskDecl) {
-        let mut looked = Looked {
-            program: self.c.program,
-            known: &mut self.c.task_uses,
-            open: Vec::new(),
-        };
-        let uses = looked.steps(&task.steps, self.module);
-        uses.clashes
-            .iter()
-            .for_each(|clash| self.report(clash.finding()));
-    }
+/// Checks that parallel branches drive different devices.
+pub(super) fn check_parallel_devices(cx: &mut Body<'_, '_>, task: &TaskDecl) {
+    let mut looked = Looked {
+        program: cx.c.program,
+        known: &mut cx.c.task_uses,
+        open: Vec::new(),
+    };
+    let uses = looked.steps(&task.steps, cx.module);
+    uses.clashes
+        .iter()
+        .for_each(|clash| report::report_diagnostic(cx, clash.finding()));
 }
 
 /// Analysis of the devices that tasks drive; each task is analysed once.

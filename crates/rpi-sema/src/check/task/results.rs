@@ -1,5 +1,6 @@
 //! Results of commands: every result that a branch names must exist, and every result must lead somewhere.
 
+use super::super::report;
 use crate::check::body::Body;
 use crate::check::names::ends_of;
 use crate::check::report::{listed, no_member};
@@ -7,62 +8,60 @@ use rpi_diag::{Code, Finding, Fix};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{self, CommandDecl, EndKind, Ident, OnResult, Run};
 
-impl Body<'_, '_> {
-    /// Reports branches that name a result of a task, which has no named results.
-    pub(super) fn no_results(&mut self, run: &Run) {
-        let of = format!("the task `{}`", run.callee.name.name);
-        for result in run.branches.iter().flat_map(|branch| &branch.on) {
-            if let OnResult::Named(name) = result {
-                let finding = no_member(&of, &name.name, name.span, None)
-                    .help("a task has no named results: branch `on fail` or `on any`");
-                self.report(finding);
+/// Reports branches that name a result of a task, which has no named results.
+pub(super) fn report_task_results(cx: &mut Body<'_, '_>, run: &Run) {
+    let of = format!("the task `{}`", run.callee.name.name);
+    for result in run.branches.iter().flat_map(|branch| &branch.on) {
+        if let OnResult::Named(name) = result {
+            let finding = no_member(&of, &name.name, name.span, None)
+                .help("a task has no named results: branch `on fail` or `on any`");
+            report::report_diagnostic(cx, finding);
+        }
+    }
+}
+
+/// Checks that the branches of a step name results of the command, and that every result leads somewhere.
+pub(super) fn check_branches(cx: &mut Body<'_, '_>, command: &CommandDecl, run: &Run) {
+    let ends = ends_of(command);
+    let mut named: Vec<&Ident> = Vec::new();
+    let mut any = run.branches.is_empty();
+    for on in run.branches.iter().flat_map(|branch| &branch.on) {
+        match on {
+            OnResult::Any(_) => any = true,
+            OnResult::Fail(_) => {}
+            OnResult::Named(result) => {
+                check_branch(cx, command, result, &named);
+                named.push(result);
             }
         }
     }
-
-    /// Checks that the branches of a step name results of the command, and that every result leads somewhere.
-    pub(super) fn branches(&mut self, command: &CommandDecl, run: &Run) {
-        let ends = ends_of(command);
-        let mut named: Vec<&Ident> = Vec::new();
-        let mut any = run.branches.is_empty();
-        for on in run.branches.iter().flat_map(|branch| &branch.on) {
-            match on {
-                OnResult::Any(_) => any = true,
-                OnResult::Fail(_) => {}
-                OnResult::Named(result) => {
-                    self.branch(command, result, &named);
-                    named.push(result);
-                }
-            }
-        }
-        let led = |name: &Name| named.iter().any(|result| result.name == *name);
-        let lost = ends.iter().filter(|end| end.kind != EndKind::Fail);
-        let lost: Vec<&ast::End> = lost.copied().filter(|end| !led(&end.result.name)).collect();
-        // An undefined result name was probably meant as one of the missing results.
-        let slip = |result: &&Ident| ends.iter().all(|end| end.result.name != result.name);
-        if !any && !lost.is_empty() && !named.iter().copied().any(|result| slip(&result)) {
-            self.report(incomplete(run, &lost));
-        }
+    let led = |name: &Name| named.iter().any(|result| result.name == *name);
+    let lost = ends.iter().filter(|end| end.kind != EndKind::Fail);
+    let lost: Vec<&ast::End> = lost.copied().filter(|end| !led(&end.result.name)).collect();
+    // An undefined result name was probably meant as one of the missing results.
+    let slip = |result: &&Ident| ends.iter().all(|end| end.result.name != result.name);
+    if !any && !lost.is_empty() && !named.iter().copied().any(|result| slip(&result)) {
+        report::report_diagnostic(cx, incomplete(run, &lost));
     }
+}
 
-    fn branch(&mut self, command: &CommandDecl, result: &Ident, named: &[&Ident]) {
-        let ends = ends_of(command);
-        if let Some(first) = named.iter().find(|known| known.name == result.name) {
-            let message = format!("two branches for the result `{}`", result.name);
-            let finding = Finding::new(Code::RPI8003, message)
-                .at(result.span, "this one is never taken")
-                .also(first.span, "the first one")
-                .help("name each result once");
-            self.report(finding);
-        }
-        if ends.iter().all(|end| end.result.name != result.name) {
-            let names = || ends.iter().map(|end| end.result.name.as_str());
-            let near = self.c.suggest(&result.name, names());
-            let of = format!("the command `{}`", command.name.name);
-            let finding = no_member(&of, &result.name, result.span, near)
-                .help(format!("its results are {}", listed(names())));
-            self.report(finding);
-        }
+fn check_branch(cx: &mut Body<'_, '_>, command: &CommandDecl, result: &Ident, named: &[&Ident]) {
+    let ends = ends_of(command);
+    if let Some(first) = named.iter().find(|known| known.name == result.name) {
+        let message = format!("two branches for the result `{}`", result.name);
+        let finding = Finding::new(Code::RPI8003, message)
+            .at(result.span, "this one is never taken")
+            .also(first.span, "the first one")
+            .help("name each result once");
+        report::report_diagnostic(cx, finding);
+    }
+    if ends.iter().all(|end| end.result.name != result.name) {
+        let names = || ends.iter().map(|end| end.result.name.as_str());
+        let near = cx.c.suggest(&result.name, names());
+        let of = format!("the command `{}`", command.name.name);
+        let finding = no_member(&of, &result.name, result.span, near)
+            .help(format!("its results are {}", listed(names())));
+        report::report_diagnostic(cx, finding);
     }
 }
 

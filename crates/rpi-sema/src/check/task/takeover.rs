@@ -1,5 +1,7 @@
 //! Takeover: the successor of a command takes over the devices that the command may leave moving.
 
+use super::super::report;
+use super::super::task::handing;
 use super::Labels;
 use crate::check::body::Body;
 use crate::check::names::{ends_of, plain_name};
@@ -13,69 +15,67 @@ use rpi_syntax::ast::{
     self, Arg, Branch, CommandDecl, EndKind, Next, OnResult, Run, Statement, StatementKind,
 };
 
-impl<'a> Body<'_, 'a> {
-    /// Checks that the successors of a `yield` take over every device that may still be moving.
-    pub(super) fn successors(
-        &mut self,
-        command: &CommandDecl,
-        run: &'a Run,
-        next: &[&'a Run],
-        labels: &Labels<'a>,
-    ) {
-        let moved = self.moved(run);
-        let moving = given_to(&moved.iter().collect::<Vec<_>>(), command, run);
-        let yields = ends_of(command).into_iter();
-        for end in yields.filter(|end| end.kind == EndKind::Yield) {
-            let follows = target(run, &end.result.name, next, labels);
-            let Some(first) = follows.first() else {
-                continue;
-            };
-            // The first steps of an inner task are not examined.
-            let Some(taken) = self.taken_by(&follows) else {
-                continue;
-            };
-            let left: Vec<&str> = moving
-                .iter()
-                .copied()
-                .filter(|d| !taken.contains(d))
-                .collect();
-            if !left.is_empty() {
-                self.report(not_taken_over(command, end, first, &left));
-            }
-        }
-    }
-
-    /// Returns the parameters of a command through which it writes values that can move a device.
-    fn moved(&mut self, run: &Run) -> Vec<Name> {
-        let Some(unit) = self.command_of(run) else {
-            return Vec::new();
+/// Checks that the successors of a `yield` take over every device that may still be moving.
+pub(super) fn check_successors<'a>(
+    cx: &mut Body<'_, 'a>,
+    command: &CommandDecl,
+    run: &'a Run,
+    next: &[&'a Run],
+    labels: &Labels<'a>,
+) {
+    let moved = moved_params(cx, run);
+    let moving = given_to(&moved.iter().collect::<Vec<_>>(), command, run);
+    let yields = ends_of(command).into_iter();
+    for end in yields.filter(|end| end.kind == EndKind::Yield) {
+        let follows = target(run, &end.result.name, next, labels);
+        let Some(first) = follows.first() else {
+            continue;
         };
-        self.c.check_now(unit);
-        let unit = &self.c.units[unit.0 as usize];
-        let equations = unit.blocks.iter().flat_map(|block| &block.equations);
-        let targets = equations.flat_map(|equation| &equation.targets);
-        let moved = targets.filter_map(|target| match target.place {
-            Place::Port { device, .. } if can_move(&target.ty) => Some(device),
-            _ => None,
-        });
-        moved.map(|flow| unit.flow(flow).name.clone()).collect()
-    }
-
-    /// Returns the devices that these steps drive together; `None` if one of them does not run a command.
-    fn taken_by<'r>(&self, runs: &[&'r Run]) -> Option<Vec<&'r str>> {
-        let mut taken = Vec::new();
-        for run in runs {
-            let name = &run.callee.name.name;
-            let Lookup::Found(id) = self.c.program.lookup(self.module, name) else {
-                return None;
-            };
-            let DeclKind::Command(successor) = self.c.program.decl(id).kind else {
-                return None;
-            };
-            taken.extend(given_to(&driven(successor), successor, run));
+        // The first steps of an inner task are not examined.
+        let Some(taken) = devices_taken_by(cx, &follows) else {
+            continue;
+        };
+        let left: Vec<&str> = moving
+            .iter()
+            .copied()
+            .filter(|d| !taken.contains(d))
+            .collect();
+        if !left.is_empty() {
+            report::report_diagnostic(cx, not_taken_over(command, end, first, &left));
         }
-        Some(taken)
     }
+}
+
+/// Returns the parameters of a command through which it writes values that can move a device.
+fn moved_params(cx: &mut Body<'_, '_>, run: &Run) -> Vec<Name> {
+    let Some(unit) = handing::command_of(cx, run) else {
+        return Vec::new();
+    };
+    cx.c.check_now(unit);
+    let unit = &cx.c.units[unit.0 as usize];
+    let equations = unit.blocks.iter().flat_map(|block| &block.equations);
+    let targets = equations.flat_map(|equation| &equation.targets);
+    let moved = targets.filter_map(|target| match target.place {
+        Place::Port { device, .. } if can_move(&target.ty) => Some(device),
+        _ => None,
+    });
+    moved.map(|flow| unit.flow(flow).name.clone()).collect()
+}
+
+/// Returns the devices that these steps drive together; `None` if one of them does not run a command.
+fn devices_taken_by<'r>(cx: &Body<'_, '_>, runs: &[&'r Run]) -> Option<Vec<&'r str>> {
+    let mut taken = Vec::new();
+    for run in runs {
+        let name = &run.callee.name.name;
+        let Lookup::Found(id) = cx.c.program.lookup(cx.module, name) else {
+            return None;
+        };
+        let DeclKind::Command(successor) = cx.c.program.decl(id).kind else {
+            return None;
+        };
+        taken.extend(given_to(&driven(successor), successor, run));
+    }
+    Some(taken)
 }
 
 /// Whether a port of this type may be the set-point of a motion. Booleans, integers and enum values switch at once.
