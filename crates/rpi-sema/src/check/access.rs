@@ -13,6 +13,7 @@ use super::parts;
 use super::report;
 use super::report::{Wanted, listed, no_member};
 use super::statement;
+use super::types;
 use super::types::is_foreign;
 use super::unit;
 use crate::program::{DeclKind, Lookup};
@@ -100,7 +101,7 @@ fn enum_value_by_field(cx: &mut Body<'_, '_>, name: &Name, field: &Field) -> Opt
     {
         return None;
     }
-    let Ty::Enum(ty) = cx.c.type_decl(id) else {
+    let Ty::Enum(ty) = types::type_decl(cx.c, id) else {
         return None;
     };
     let value = &field.field;
@@ -129,7 +130,7 @@ pub(super) fn enum_value_by_path(cx: &mut Body<'_, '_>, name: &Name, span: Span)
     if !matches!(cx.c.program.decl(id).kind, DeclKind::Type(_)) {
         return None;
     }
-    let Ty::Enum(ty) = cx.c.type_decl(id) else {
+    let Ty::Enum(ty) = types::type_decl(cx.c, id) else {
         return None;
     };
     if !ty.values.iter().any(|known| known == value) {

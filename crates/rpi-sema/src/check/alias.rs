@@ -6,11 +6,15 @@ use super::args::Given;
 use super::body::Body;
 use super::call;
 use super::callable::{Callable, Fixed};
+use super::header;
 use super::header::{Header, Port};
 use super::locals;
 use super::names;
+use super::statics;
 use super::statics::{Param, Statics, missing};
+use super::types;
 use super::types::PortTy;
+use super::unit;
 use crate::program::DeclId;
 use crate::ty::Ty;
 use crate::typed::{Activation, ClockOn, Equation, FlowId, FlowRole, Place, Target};
@@ -59,46 +63,45 @@ impl From<&Port> for Named {
     }
 }
 
-impl Checker<'_> {
-    /// Returns the header of a callable although the static arguments `open` are missing. Returns `None` if the ports
-    /// or the body depend on these arguments.
-    pub(super) fn header_without(
-        &mut self,
-        id: DeclId,
-        statics: Rc<Statics>,
-        open: &[Name],
-        span: Span,
-    ) -> Option<Rc<Header>> {
-        let before = self.findings.len();
-        let header = self.header(id, statics);
-        if open.is_empty() {
-            return header;
-        }
-        let sound = !self.findings[before..]
-            .iter()
-            .any(|finding| finding.severity() == Severity::Error);
-        self.findings.truncate(before);
-        let header = header.filter(|_| sound)?;
-        let ports = header.inputs.iter().enumerate();
-        let lacking = ports.filter(|(_, port)| open.contains(&port.name));
-        let lacking: Vec<(usize, &Port)> = lacking.collect();
-        let unread = lacking.len() == open.len() && self.reads_none(&header, &lacking, span);
-        unread.then(|| header.clone())
+/// Returns the header of a callable although the static arguments `open` are missing. Returns `None` if the ports
+/// or the body depend on these arguments.
+pub(super) fn header_with_open_statics(
+    checker: &mut Checker<'_>,
+    id: DeclId,
+    statics: Rc<Statics>,
+    open: &[Name],
+    span: Span,
+) -> Option<Rc<Header>> {
+    let before = checker.findings.len();
+    let header = header::check_header(checker, id, statics);
+    if open.is_empty() {
+        return header;
     }
+    let sound = !checker.findings[before..]
+        .iter()
+        .any(|finding| finding.severity() == Severity::Error);
+    checker.findings.truncate(before);
+    let header = header.filter(|_| sound)?;
+    let ports = header.inputs.iter().enumerate();
+    let lacking = ports.filter(|(_, port)| open.contains(&port.name));
+    let lacking: Vec<(usize, &Port)> = lacking.collect();
+    let unread =
+        lacking.len() == open.len() && unit::reads_no_ports(checker, &header, &lacking, span);
+    unread.then(|| header.clone())
+}
 
-    /// Whether an alias is defined by itself, directly or through other aliases. Each such dependency cycle is reported
-    /// once.
-    pub(super) fn is_ring_of_names(&mut self, id: DeclId) -> bool {
-        if self.ringed.contains(&id) {
-            return true;
-        }
-        let is_ring = self.aliases.contains(&id);
-        if is_ring {
-            self.ringed.extend(&self.aliases);
-            self.in_circles("node", id);
-        }
-        is_ring
+/// Whether an alias is defined by itself, directly or through other aliases. Each such dependency cycle is reported
+/// once.
+pub(super) fn is_cyclic_alias(checker: &mut Checker<'_>, id: DeclId) -> bool {
+    if checker.ringed.contains(&id) {
+        return true;
     }
+    let is_ring = checker.aliases.contains(&id);
+    if is_ring {
+        checker.ringed.extend(&checker.aliases);
+        types::report_dependency_cycle(checker, "node", id);
+    }
+    is_ring
 }
 
 /// Declares the ports of the alias: those of its target that no static argument fixes.
@@ -194,9 +197,9 @@ fn unit_ports(
 ) -> Option<Ports> {
     let mut statics = statics.clone();
     let is_fixed = |name: &Name| fixed.iter().any(|(fixed, _)| fixed == name);
-    let mut open = cx.c.complete(id, &mut statics);
+    let mut open = statics::add_default_statics(cx.c, id, &mut statics);
     open.retain(|name| !is_fixed(name));
-    let params = cx.c.params_of(id);
+    let params = statics::static_params_of(cx.c, id);
     let is_type = |name: &Name| {
         let mut params = params.iter();
         params.any(|param| matches!(param, Param::Type(..)) && param.name().name == *name)
@@ -205,7 +208,7 @@ fn unit_ports(
         // The types are inferred from the arguments of a call.
         return None;
     }
-    let header = cx.c.header_without(id, Rc::new(statics), &open, span);
+    let header = header_with_open_statics(cx.c, id, Rc::new(statics), &open, span);
     let Some(header) = header else {
         let decl = cx.c.program.decl(id);
         let finding = missing(&decl.name, &open, span, decl.span);

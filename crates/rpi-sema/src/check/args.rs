@@ -9,7 +9,9 @@ use super::reorder;
 use super::report;
 use super::report::{Wanted, listed};
 use super::spread::{self, Piece};
+use super::statics;
 use super::time;
+use super::unit;
 use crate::program::DeclId;
 use crate::ty::{Subst, Ty, fit};
 use crate::typed::{ExprId, FlowRole, Kind, UnitKind};
@@ -110,7 +112,7 @@ pub(super) fn report_arg_named_by_eq<'a>(
     let Some(name) = plain_name(&binary.lhs).filter(|_| is_sign) else {
         return false;
     };
-    if locals::find_local(cx, name).is_some() || !cx.c.takes(id, name) {
+    if locals::find_local(cx, name).is_some() || !statics::has_param(cx.c, id, name) {
         return false;
     }
     let between = Span {
@@ -283,8 +285,8 @@ pub(super) fn report_unknown_args<'a>(
     id: DeclId,
     given: &[Given<'a>],
 ) -> bool {
-    let ports = cx.c.ports_of(id);
-    let params = cx.c.params_of(id);
+    let ports = statics::in_port_names(cx.c, id);
+    let params = statics::static_params_of(cx.c, id);
     let names = ports.chain(params.iter().map(|param| &param.name().name));
     let names: Vec<&Name> = names.collect();
     let decl = cx.c.program.decl(id);
@@ -343,7 +345,7 @@ fn check_missing_args(
     });
     let open: Vec<(usize, &Port)> = open.map(|(port, _)| port).collect();
     let may_lack = open.iter().all(|(_, port)| port.is_static) && !cx.inferring;
-    if open.is_empty() || may_lack && cx.c.reads_none(header, &open, span) {
+    if open.is_empty() || may_lack && unit::reads_no_ports(cx.c, header, &open, span) {
         return true;
     }
     let open: Vec<Name> = open.iter().map(|(_, port)| port.name.clone()).collect();

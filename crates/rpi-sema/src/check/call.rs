@@ -1,6 +1,7 @@
 //! Calls: resolution of the callee, static arguments, activation, and instantiation of the called unit.
 
 use super::Constant;
+use super::alias;
 use super::applied;
 use super::args;
 use super::args::Given;
@@ -11,6 +12,7 @@ use super::constraint;
 use super::consts;
 use super::data;
 use super::elsewhere;
+use super::header;
 use super::header::Header;
 use super::instance;
 use super::iterate;
@@ -18,6 +20,7 @@ use super::locals;
 use super::locals::Local;
 use super::meant;
 use super::names;
+use super::nesting;
 use super::prim;
 use super::quantifier;
 use super::report;
@@ -170,7 +173,7 @@ fn resolve_alias<'a>(
     if bound.faulty {
         return None;
     }
-    if cx.c.is_ring_of_names(id) || !cx.c.may_stand_for(callee.span) {
+    if alias::is_cyclic_alias(cx.c, id) || !nesting::may_alias(cx.c, callee.span) {
         return None;
     }
     check_alias_ports(cx, id, &bound.statics);
@@ -190,13 +193,13 @@ fn check_alias_ports(cx: &mut Body<'_, '_>, id: DeclId, statics: &Statics) {
     let DeclKind::Node(node) = cx.c.program.decl(id).kind else {
         return;
     };
-    let params = cx.c.params_of(id);
+    let params = statics::static_params_of(cx.c, id);
     let is_given = |param: &super::statics::Param<'_>| statics.contains_key(&param.name().name);
     if node.signature.outputs.is_none() || params.is_empty() || !params.iter().all(is_given) {
         return;
     }
-    if let Some(header) = cx.c.header(id, Rc::new(statics.clone())) {
-        cx.c.unit(&header, header.span);
+    if let Some(header) = header::check_header(cx.c, id, Rc::new(statics.clone())) {
+        unit::instantiate(cx.c, &header, header.span);
     }
 }
 
@@ -448,14 +451,14 @@ fn call_with_fixed_ports<'a>(
     activation: Activation,
     span: Span,
 ) -> ExprId {
-    let params = cx.c.params_of(id);
+    let params = statics::static_params_of(cx.c, id);
     for (name, fixed) in &**fixed {
         let value = match fixed {
             Fixed::Constant(constant) => names::constant_expr(cx, constant, span),
             Fixed::Loaded(value) => *value,
         };
         let param = params.iter().map(Param::name).find(|p| p.name == *name);
-        let port = || cx.c.port_names(id).find(|port| port.name == *name);
+        let port = || statics::in_port_idents(cx.c, id).find(|port| port.name == *name);
         given.push(Given {
             name: param.or_else(port),
             value,
@@ -497,8 +500,8 @@ pub(super) fn match_call<'a>(
     if !sizes::infer_size_params(cx, id, &given, &mut statics) {
         return Err(Ty::Unknown);
     }
-    let open = cx.c.complete(id, &mut statics);
-    if cx.c.lacks_sizes(id, &open, &statics, span) {
+    let open = statics::add_default_statics(cx.c, id, &mut statics);
+    if unit::lacks_sizes(cx.c, id, &open, &statics, span) {
         // Not reported beside a misspelt argument: that may be the one the size depends on.
         if !args::report_unknown_args(cx, id, &given) {
             instance::report_missing(cx, id, &open, span);
@@ -508,7 +511,7 @@ pub(super) fn match_call<'a>(
     if !constraint::check_constraints(cx, id, &statics, span) {
         return Err(Ty::Unknown);
     }
-    let header = cx.c.header(id, Rc::new(statics.clone()));
+    let header = header::check_header(cx.c, id, Rc::new(statics.clone()));
     let header = header.ok_or(Ty::Unknown)?;
     let free = header.free_frames.iter();
     let mut subst = Subst {
@@ -551,7 +554,7 @@ fn add_call(cx: &mut Body<'_, '_>, fitted: Fitted, activation: Activation, span:
         cx.has_state(span);
     }
     report_extern_call(cx, header, span);
-    let Some(unit) = cx.c.unit(header, span) else {
+    let Some(unit) = unit::instantiate(cx.c, header, span) else {
         return cx.fault(span);
     };
     let args = name_clock_args(cx, header, args);

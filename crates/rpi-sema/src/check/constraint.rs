@@ -6,6 +6,7 @@
 
 use super::body::Body;
 use super::report;
+use super::statics;
 use super::statics::{Param, Static, Statics};
 use crate::program::DeclId;
 use crate::ty::{StructTy, Ty};
@@ -126,7 +127,7 @@ pub(super) fn check_constraints(
     statics: &Statics,
     span: Span,
 ) -> bool {
-    for param in cx.c.params_of(id) {
+    for param in statics::static_params_of(cx.c, id) {
         let Param::Type(name, Some(constraint)) = param else {
             continue;
         };

@@ -3,6 +3,7 @@
 
 use super::body::Body;
 use super::expr;
+use super::nesting;
 use super::report;
 use super::report::Wanted;
 use super::statement;
@@ -20,66 +21,69 @@ use rpi_image::Scalar;
 use rpi_syntax::ast;
 use std::rc::Rc;
 
-impl<'a> Checker<'a> {
-    /// Returns the value of a constant or of the pose of a frame; `None` after an error.
-    pub(super) fn constant(&mut self, id: DeclId) -> Option<Constant> {
-        match self.constants.get(&id) {
-            Some(Lazy::Done(constant)) => {
-                let constant = constant.clone();
-                self.findings.extend(self.outside.get(&id).cloned());
-                return constant;
-            }
-            Some(Lazy::Busy) => {
-                self.in_circles("constant", id);
-                return None;
-            }
-            None => {}
+/// Returns the value of a constant or of the pose of a frame; `None` after an error.
+pub(super) fn check_constant(checker: &mut Checker<'_>, id: DeclId) -> Option<Constant> {
+    match checker.constants.get(&id) {
+        Some(Lazy::Done(constant)) => {
+            let constant = constant.clone();
+            checker.findings.extend(checker.outside.get(&id).cloned());
+            return constant;
         }
-        let decl = self.program.decl(id);
-        if !matches!(decl.kind, DeclKind::Const(_) | DeclKind::Frame(_)) {
+        Some(Lazy::Busy) => {
+            types::report_dependency_cycle(checker, "constant", id);
             return None;
         }
-        if !self.may_keep(&[], decl.span) || !self.may_nest("constant", decl.span) {
-            return None;
-        }
-        let before = self.findings.len();
-        self.constants.insert(id, Lazy::Busy);
-        self.open.push(id);
-        let constant = self.nested(|checker| {
-            let mut body = Body::around(checker, id);
-            let constant = match decl.kind {
-                DeclKind::Const(def) => constant_def(&mut body, def),
-                DeclKind::Frame(frame) => frame_pose(&mut body, &decl.name, frame),
-                _ => None,
-            };
-            body.leave();
-            constant
-        });
-        self.open.pop();
-        let mut found = self.findings[before..].iter();
-        if let Some(outside) = found.find(|finding| finding.code == Code::RPI1012) {
-            self.outside.insert(id, outside.clone());
-        }
-        let constant = constant.filter(|constant| self.may_keep(&constant.leaves, decl.span));
-        self.constants.insert(id, Lazy::Done(constant.clone()));
-        constant
+        None => {}
     }
+    let decl = checker.program.decl(id);
+    if !matches!(decl.kind, DeclKind::Const(_) | DeclKind::Frame(_)) {
+        return None;
+    }
+    if !nesting::may_store_constant(checker, &[], decl.span)
+        || !nesting::may_nest(checker, "constant", decl.span)
+    {
+        return None;
+    }
+    let before = checker.findings.len();
+    checker.constants.insert(id, Lazy::Busy);
+    checker.open.push(id);
+    let constant = nesting::check_nested(checker, |checker| {
+        let mut body = Body::around(checker, id);
+        let constant = match decl.kind {
+            DeclKind::Const(def) => constant_def(&mut body, def),
+            DeclKind::Frame(frame) => frame_pose(&mut body, &decl.name, frame),
+            _ => None,
+        };
+        body.leave();
+        constant
+    });
+    checker.open.pop();
+    let mut found = checker.findings[before..].iter();
+    if let Some(outside) = found.find(|finding| finding.code == Code::RPI1012) {
+        checker.outside.insert(id, outside.clone());
+    }
+    let constant = constant
+        .filter(|constant| nesting::may_store_constant(checker, &constant.leaves, decl.span));
+    checker.constants.insert(id, Lazy::Done(constant.clone()));
+    constant
+}
 
-    /// Checks a Lustre constant on its own. It, or a constant that it depends on, may lack a value as long as no node
-    /// needs it, so that this is only reported where it is used.
-    pub(super) fn constant_alone(&mut self, id: DeclId) {
-        let before = self.findings.len();
-        self.constant(id);
-        let found = self.findings.split_off(before);
-        let (outside, found): (Vec<_>, Vec<_>) =
-            found.into_iter().partition(|f| f.code == Code::RPI1012);
-        self.findings.extend(found);
-        if !outside.is_empty() {
-            self.constants
-                .retain(|_, constant| !matches!(constant, Lazy::Done(None)));
-            self.outside
-                .extend(outside.into_iter().next().map(|finding| (id, finding)));
-        }
+/// Checks a Lustre constant on its own. It, or a constant that it depends on, may lack a value as long as no node
+/// needs it, so that this is only reported where it is used.
+pub(super) fn check_lustre_constant(checker: &mut Checker<'_>, id: DeclId) {
+    let before = checker.findings.len();
+    check_constant(checker, id);
+    let found = checker.findings.split_off(before);
+    let (outside, found): (Vec<_>, Vec<_>) =
+        found.into_iter().partition(|f| f.code == Code::RPI1012);
+    checker.findings.extend(found);
+    if !outside.is_empty() {
+        checker
+            .constants
+            .retain(|_, constant| !matches!(constant, Lazy::Done(None)));
+        checker
+            .outside
+            .extend(outside.into_iter().next().map(|finding| (id, finding)));
     }
 }
 
@@ -199,7 +203,7 @@ pub(super) fn try_fold(cx: &mut Body<'_, '_>, id: ExprId) -> Result<Rc<[Leaf]>, 
     }
     // Elaboration inlines calls, so that the called units must be checked first.
     for unit in called(&cx.unit, id) {
-        cx.c.check_now(unit);
+        unit::check_unit_now(cx.c, unit);
     }
     elab::constant(&cx.c.units, &cx.unit, id)
 }

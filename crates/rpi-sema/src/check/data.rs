@@ -59,7 +59,7 @@ pub(super) fn type_instance_for<'a>(
         };
         statics.insert(name, Static::Ty(ty));
     }
-    let ty = cx.c.type_instance(id, Rc::new(statics));
+    let ty = types::type_instance(cx.c, id, Rc::new(statics));
     if cx.c.temporal.contains(&id) {
         cx.has_state(span);
     }
@@ -82,7 +82,7 @@ fn type_params(cx: &Body<'_, '_>, id: DeclId) -> Vec<Name> {
 fn open_type(cx: &mut Body<'_, '_>, id: DeclId) -> Ty {
     let names = type_params(cx, id).into_iter();
     let statics = names.map(|name| (name.clone(), Static::Ty(Ty::Generic(name))));
-    cx.c.type_instance(id, Rc::new(statics.collect()))
+    types::type_instance(cx.c, id, Rc::new(statics.collect()))
 }
 
 /// Returns a declared type with the inferred parameters; `None` if some are not inferred.
@@ -92,7 +92,7 @@ fn inferred_type(cx: &mut Body<'_, '_>, id: DeclId, subst: &Subst) -> Option<Ty>
         let ty = subst.types.get(&name)?.clone();
         statics.insert(name, Static::Ty(ty));
     }
-    Some(cx.c.type_instance(id, Rc::new(statics)))
+    Some(types::type_instance(cx.c, id, Rc::new(statics)))
 }
 
 /// Returns the declaration of a generic struct if a literal does not give its type arguments.

@@ -22,37 +22,40 @@ pub(super) fn resolve_device_type<'a>(
 ) -> Ty {
     let bound = statics::bind_statics(cx, id, &named.statics);
     let mut statics = bound.statics;
-    cx.c.complete(id, &mut statics);
-    cx.c.device(id, decl, &Rc::new(statics))
+    statics::add_default_statics(cx.c, id, &mut statics);
+    device_type_instance(cx.c, id, decl, &Rc::new(statics))
 }
 
-impl<'a> Checker<'a> {
-    /// Checks a device declaration on its own.
-    pub(super) fn device_alone(&mut self, id: DeclId, decl: &'a DeviceDecl) {
-        let mut statics = Statics::new();
-        self.complete(id, &mut statics);
-        self.device(id, decl, &Rc::new(statics));
-    }
+/// Checks a device declaration on its own.
+pub(super) fn check_device<'a>(checker: &mut Checker<'a>, id: DeclId, decl: &'a DeviceDecl) {
+    let mut statics = Statics::new();
+    statics::add_default_statics(checker, id, &mut statics);
+    device_type_instance(checker, id, decl, &Rc::new(statics));
+}
 
-    /// Returns the instance of a device type for these static arguments.
-    fn device(&mut self, id: DeclId, decl: &'a DeviceDecl, statics: &Rc<Statics>) -> Ty {
-        let key = key(id, statics);
-        if let Some(Lazy::Done(Some(ty))) = self.types.get(&key) {
-            return ty.clone();
-        }
-        let unit = Unit::new(decl.name.name.clone(), UnitKind::Constant, Span::NONE);
-        let mut body = Body::new(self, id, statics.clone(), unit);
-        body.in_signature = true;
-        let ports = device_ports(&mut body, decl);
-        let frames = body.leave().free_frames;
-        let ty = Ty::Device(Rc::new(DeviceTy {
-            name: decl.name.name.clone(),
-            ports,
-            frames,
-        }));
-        self.types.insert(key, Lazy::Done(Some(ty.clone())));
-        ty
+/// Returns the instance of a device type for these static arguments.
+fn device_type_instance<'a>(
+    checker: &mut Checker<'a>,
+    id: DeclId,
+    decl: &'a DeviceDecl,
+    statics: &Rc<Statics>,
+) -> Ty {
+    let key = key(id, statics);
+    if let Some(Lazy::Done(Some(ty))) = checker.types.get(&key) {
+        return ty.clone();
     }
+    let unit = Unit::new(decl.name.name.clone(), UnitKind::Constant, Span::NONE);
+    let mut body = Body::new(checker, id, statics.clone(), unit);
+    body.in_signature = true;
+    let ports = device_ports(&mut body, decl);
+    let frames = body.leave().free_frames;
+    let ty = Ty::Device(Rc::new(DeviceTy {
+        name: decl.name.name.clone(),
+        ports,
+        frames,
+    }));
+    checker.types.insert(key, Lazy::Done(Some(ty.clone())));
+    ty
 }
 
 /// Returns the ports of a device declaration. Ports with the same actuator number belong to one actuator.

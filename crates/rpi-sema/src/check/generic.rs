@@ -6,8 +6,12 @@
 //! of Lustre are textual (V6) or [opaque](super::sample) (Kind 2), and are not checked here.
 
 use super::constraint::{CONSTRAINTS, Constraint, unknown, written};
+use super::header;
+use super::sample;
+use super::statics;
 use super::statics::{Param, Static, Statics};
-use super::{Checker, sample};
+use super::unit;
+use super::Checker;
 use crate::hash::Set;
 use crate::program::DeclId;
 use crate::ty::Ty;
@@ -36,141 +40,147 @@ struct Found {
     places: Set<Span>,
 }
 
-impl<'a> Checker<'a> {
-    /// Checks the generic declarations of the first module for all types allowed by their constraints.
-    pub(super) fn check_generics(&mut self) {
-        for id in self.program.root().decls.clone() {
-            let params = self.type_params_of(id);
-            let unknown = params.iter().filter_map(|param| unknown(param.written?));
-            let unknown: Vec<Finding> = unknown.collect();
-            let is_checked = unknown.is_empty() && !params.is_empty() && !self.is_lustre(id);
-            if !unknown.is_empty() {
-                self.faulty_generics.insert(id);
-            }
-            self.findings.extend(unknown);
-            if !is_checked {
-                continue;
-            }
-            let found = self.errors_for(id, &params);
-            let told = match found.errors.is_empty() {
-                true => found.errors,
-                false => self.explained(id, &params, found),
-            };
-            if !told.is_empty() {
-                self.faulty_generics.insert(id);
-            }
-            self.findings.extend(told);
+/// Checks the generic declarations of the first module for all types allowed by their constraints.
+pub(super) fn check_generics(checker: &mut Checker<'_>) {
+    for id in checker.program.root().decls.clone() {
+        let params = type_params_of(checker, id);
+        let unknown = params.iter().filter_map(|param| unknown(param.written?));
+        let unknown: Vec<Finding> = unknown.collect();
+        let is_checked = unknown.is_empty() && !params.is_empty() && !checker.is_lustre(id);
+        if !unknown.is_empty() {
+            checker.faulty_generics.insert(id);
         }
-    }
-
-    /// Returns the type parameters of a declaration.
-    fn type_params_of(&self, id: DeclId) -> Vec<TypeParam<'a>> {
-        let types = self
-            .params_of(id)
-            .into_iter()
-            .filter_map(|param| match param {
-                Param::Type(name, constraint) => Some((name, constraint)),
-                _ => None,
-            });
-        let param =
-            |(place, (name, constraint)): (usize, (&'a Ident, Option<&'a Ident>))| TypeParam {
-                name,
-                constraint: written(constraint),
-                written: constraint,
-                unit: Some(place),
-            };
-        types.enumerate().map(param).collect()
-    }
-
-    /// Returns the errors of a body for all combinations of sample types.
-    fn errors_for(&mut self, id: DeclId, params: &[TypeParam<'a>]) -> Found {
-        let mut found = Found {
-            errors: Vec::new(),
-            places: Set::default(),
+        checker.findings.extend(unknown);
+        if !is_checked {
+            continue;
+        }
+        let found = errors_for(checker, id, &params);
+        let told = match found.errors.is_empty() {
+            true => found.errors,
+            false => attribute_to_constraint(checker, id, &params, found),
         };
-        // There are only `FREE` free units, so that more parameters take several rounds.
-        for first in (0..params.len()).step_by(FREE) {
-            let mut params = params.to_vec();
-            for param in &mut params {
-                let own = param.unit.filter(|at| (first..first + FREE).contains(at));
-                param.unit = own.map(|at| at - first);
-            }
-            for types in choices(&params) {
-                let errors = self.errors_with(id, &params, &types);
-                let is_new = |error: &Finding| found.places.insert(error.span());
-                found.errors.extend(errors.into_iter().filter(is_new));
-            }
+        if !told.is_empty() {
+            checker.faulty_generics.insert(id);
         }
-        found
+        checker.findings.extend(told);
     }
+}
 
-    /// Returns the errors of a body for one combination of types. The instance, and those that it calls, are discarded.
-    fn errors_with(&mut self, id: DeclId, params: &[TypeParam<'a>], types: &[Ty]) -> Vec<Finding> {
-        let mut statics = self.unknown(id);
-        for (param, ty) in params.iter().zip(types) {
-            let name = param.name.name.clone();
-            statics.insert(name, Static::Ty(ty.clone()));
+/// Returns the type parameters of a declaration.
+fn type_params_of<'a>(checker: &Checker<'a>, id: DeclId) -> Vec<TypeParam<'a>> {
+    let types = statics::static_params_of(checker, id)
+        .into_iter()
+        .filter_map(|param| match param {
+            Param::Type(name, constraint) => Some((name, constraint)),
+            _ => None,
+        });
+    let param = |(place, (name, constraint)): (usize, (&'a Ident, Option<&'a Ident>))| TypeParam {
+        name,
+        constraint: written(constraint),
+        written: constraint,
+        unit: Some(place),
+    };
+    types.enumerate().map(param).collect()
+}
+
+/// Returns the errors of a body for all combinations of sample types.
+fn errors_for<'a>(checker: &mut Checker<'a>, id: DeclId, params: &[TypeParam<'a>]) -> Found {
+    let mut found = Found {
+        errors: Vec::new(),
+        places: Set::default(),
+    };
+    // There are only `FREE` free units, so that more parameters take several rounds.
+    for first in (0..params.len()).step_by(FREE) {
+        let mut params = params.to_vec();
+        for param in &mut params {
+            let own = param.unit.filter(|at| (first..first + FREE).contains(at));
+            param.unit = own.map(|at| at - first);
         }
-        let found = self.aside(|checker| checker.check_instance(id, statics));
-        let errors = found.into_iter().filter(is_of_generic);
-        let named = errors.map(|error| with_names(error, params, types));
-        named.collect()
-    }
-
-    fn check_instance(&mut self, id: DeclId, statics: Statics) {
-        if let Some(header) = self.header(id, Rc::new(statics)) {
-            self.unit(&header, header.span);
-            self.check_queued();
+        for types in choices(&params) {
+            let errors = errors_for_types(checker, id, &params, &types);
+            let is_new = |error: &Finding| found.places.insert(error.span());
+            found.errors.extend(errors.into_iter().filter(is_new));
         }
     }
+    found
+}
 
-    /// Runs a check and returns its diagnostics; discards all units that it creates.
-    fn aside(&mut self, check: impl FnOnce(&mut Self)) -> Vec<Finding> {
-        let findings = std::mem::take(&mut self.findings);
-        let queue = std::mem::take(&mut self.queue);
-        let unit_ids = std::mem::take(&mut self.unit_ids);
-        let called = std::mem::take(&mut self.called);
-        let told = std::mem::take(&mut self.told_of_instances);
-        let (units, written_out) = (self.units.len(), self.written_out);
-        check(self);
-        self.units.truncate(units);
-        self.entries.truncate(units);
-        self.written_out = written_out;
-        self.queue = queue;
-        self.unit_ids = unit_ids;
-        self.called = called;
-        self.told_of_instances = told;
-        std::mem::replace(&mut self.findings, findings)
+/// Returns the errors of a body for one combination of types. The instance, and those that it calls, are discarded.
+fn errors_for_types<'a>(
+    checker: &mut Checker<'a>,
+    id: DeclId,
+    params: &[TypeParam<'a>],
+    types: &[Ty],
+) -> Vec<Finding> {
+    let mut statics = sample::unknown_statics(checker, id);
+    for (param, ty) in params.iter().zip(types) {
+        let name = param.name.name.clone();
+        statics.insert(name, Static::Ty(ty.clone()));
     }
+    let found = discarding_units(checker, |checker| check_instance(checker, id, statics));
+    let errors = found.into_iter().filter(is_of_generic);
+    let named = errors.map(|error| with_names(error, params, types));
+    named.collect()
+}
 
-    /// Replaces errors that another constraint would remove by one error about the constraint.
-    fn explained(&mut self, id: DeclId, params: &[TypeParam<'a>], found: Found) -> Vec<Finding> {
-        let mut best: Option<(Constraint, Found)> = None;
-        for constraint in CONSTRAINTS {
-            let tried: Vec<TypeParam<'a>> = params.iter().map(|p| p.or(constraint)).collect();
-            let left = self.errors_for(id, &tried);
-            let fewest = best
-                .as_ref()
-                .map_or(found.errors.len(), |b| b.1.errors.len());
-            if left.errors.len() < fewest {
-                best = Some((constraint, left));
-            }
+fn check_instance(checker: &mut Checker<'_>, id: DeclId, statics: Statics) {
+    if let Some(header) = header::check_header(checker, id, Rc::new(statics)) {
+        unit::instantiate(checker, &header, header.span);
+        unit::check_queued(checker);
+    }
+}
+
+/// Runs a check and returns its diagnostics; discards all units that it creates.
+fn discarding_units(checker: &mut Checker<'_>, check: impl FnOnce(&mut Checker)) -> Vec<Finding> {
+    let findings = std::mem::take(&mut checker.findings);
+    let queue = std::mem::take(&mut checker.queue);
+    let unit_ids = std::mem::take(&mut checker.unit_ids);
+    let called = std::mem::take(&mut checker.called);
+    let told = std::mem::take(&mut checker.told_of_instances);
+    let (units, written_out) = (checker.units.len(), checker.written_out);
+    check(checker);
+    checker.units.truncate(units);
+    checker.entries.truncate(units);
+    checker.written_out = written_out;
+    checker.queue = queue;
+    checker.unit_ids = unit_ids;
+    checker.called = called;
+    checker.told_of_instances = told;
+    std::mem::replace(&mut checker.findings, findings)
+}
+
+/// Replaces errors that another constraint would remove by one error about the constraint.
+fn attribute_to_constraint<'a>(
+    checker: &mut Checker<'a>,
+    id: DeclId,
+    params: &[TypeParam<'a>],
+    found: Found,
+) -> Vec<Finding> {
+    let mut best: Option<(Constraint, Found)> = None;
+    for constraint in CONSTRAINTS {
+        let tried: Vec<TypeParam<'a>> = params.iter().map(|p| p.or(constraint)).collect();
+        let left = errors_for(checker, id, &tried);
+        let fewest = best
+            .as_ref()
+            .map_or(found.errors.len(), |b| b.1.errors.len());
+        if left.errors.len() < fewest {
+            best = Some((constraint, left));
         }
-        let Some((constraint, left)) = best else {
-            let open = params.iter().find(|p| p.constraint == Constraint::Any);
-            let errors = found.errors.into_iter();
-            return errors.map(|error| about_any_type(error, open)).collect();
-        };
-        let mended = found.errors.into_iter();
-        let mut mended = mended.filter(|error| !left.places.contains(&error.span()));
-        let changed: Vec<&TypeParam<'_>> = (params.iter())
-            .filter(|param| param.or(constraint).constraint != param.constraint)
-            .collect();
-        let lacking = mended
-            .next()
-            .map(|error| lacks(error, constraint, &changed));
-        lacking.into_iter().chain(left.errors).collect()
     }
+    let Some((constraint, left)) = best else {
+        let open = params.iter().find(|p| p.constraint == Constraint::Any);
+        let errors = found.errors.into_iter();
+        return errors.map(|error| about_any_type(error, open)).collect();
+    };
+    let mended = found.errors.into_iter();
+    let mut mended = mended.filter(|error| !left.places.contains(&error.span()));
+    let changed: Vec<&TypeParam<'_>> = (params.iter())
+        .filter(|param| param.or(constraint).constraint != param.constraint)
+        .collect();
+    let lacking = mended
+        .next()
+        .map(|error| lacks(error, constraint, &changed));
+    lacking.into_iter().chain(left.errors).collect()
 }
 
 impl TypeParam<'_> {

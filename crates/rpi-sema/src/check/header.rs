@@ -6,8 +6,10 @@ use super::body::Body;
 use super::expr;
 use super::instance::{display, key};
 use super::locals;
+use super::nesting;
 use super::report;
 use super::statement;
+use super::statics;
 use super::statics::{Static, Statics};
 use super::sums;
 use super::types;
@@ -81,87 +83,89 @@ pub(super) struct Port {
     pub(super) span: Span,
 }
 
-impl<'a> Checker<'a> {
-    /// Returns the header of a callable. Errors in the signature are reported once; `None` if it is not callable or
-    /// nested too deeply.
-    pub(super) fn header(&mut self, id: DeclId, statics: Rc<Statics>) -> Option<Rc<Header>> {
-        let key = key(id, &statics);
-        if let Some(header) = self.headers.get(&key) {
-            return header.clone();
-        }
-        // Headers can nest: a default value may call a unit with default values.
-        let is_inside = self.headers_open > 0;
-        if is_inside && !self.may_nest("call", self.program.decl(id).span) {
-            return None;
-        }
-        self.headers_open += 1;
-        let header = self.new_header(id, statics).map(Rc::new);
-        self.headers_open -= 1;
-        self.headers.insert(key, header.clone());
-        header
+/// Returns the header of a callable. Errors in the signature are reported once; `None` if it is not callable or
+/// nested too deeply.
+pub(super) fn check_header(
+    checker: &mut Checker<'_>,
+    id: DeclId,
+    statics: Rc<Statics>,
+) -> Option<Rc<Header>> {
+    let key = key(id, &statics);
+    if let Some(header) = checker.headers.get(&key) {
+        return header.clone();
     }
+    // Headers can nest: a default value may call a unit with default values.
+    let is_inside = checker.headers_open > 0;
+    if is_inside && !nesting::may_nest(checker, "call", checker.program.decl(id).span) {
+        return None;
+    }
+    checker.headers_open += 1;
+    let header = new_header(checker, id, statics).map(Rc::new);
+    checker.headers_open -= 1;
+    checker.headers.insert(key, header.clone());
+    header
+}
 
-    /// Returns the header of a node parameter of `id`, as far as its declaration gives it.
-    pub(super) fn open_header(
-        &mut self,
-        id: DeclId,
-        statics: &Statics,
-        signature: &'a Signature,
-    ) -> Header {
-        let mut ports = |decls: &'a Option<Vec<VarDecl>>, role| -> Vec<Port> {
-            let decls = decls.as_deref().unwrap_or_default();
-            let types = self.types_in(id, statics, decls);
-            let names = decls.iter().flat_map(|decl| {
-                let has_default = decl.default.is_some();
-                decl.names.iter().map(move |name| (name, has_default))
-            });
-            let ports = names.zip(types);
-            ports
-                .map(|((name, has_default), ty)| wanted_port(name, ty, role, has_default))
-                .collect()
-        };
-        Header {
-            inputs: ports(&signature.inputs, FlowRole::Input),
-            outputs: ports(&signature.outputs, FlowRole::Output),
-            decl: id,
-            statics: Rc::default(),
-            name: signature.name.name.clone(),
-            kind: UnitKind::Node,
-            span: signature.name.span,
-            free_frames: Vec::new(),
-        }
+/// Returns the header of a node parameter of `id`, as far as its declaration gives it.
+pub(super) fn node_param_header<'a>(
+    checker: &mut Checker<'a>,
+    id: DeclId,
+    statics: &Statics,
+    signature: &'a Signature,
+) -> Header {
+    let mut ports = |decls: &'a Option<Vec<VarDecl>>, role| -> Vec<Port> {
+        let decls = decls.as_deref().unwrap_or_default();
+        let types = statics::signature_port_types(checker, id, statics, decls);
+        let names = decls.iter().flat_map(|decl| {
+            let has_default = decl.default.is_some();
+            decl.names.iter().map(move |name| (name, has_default))
+        });
+        let ports = names.zip(types);
+        ports
+            .map(|((name, has_default), ty)| wanted_port(name, ty, role, has_default))
+            .collect()
+    };
+    Header {
+        inputs: ports(&signature.inputs, FlowRole::Input),
+        outputs: ports(&signature.outputs, FlowRole::Output),
+        decl: id,
+        statics: Rc::default(),
+        name: signature.name.name.clone(),
+        kind: UnitKind::Node,
+        span: signature.name.span,
+        free_frames: Vec::new(),
     }
+}
 
-    fn new_header(&mut self, id: DeclId, statics: Rc<Statics>) -> Option<Header> {
-        let decl = self.program.decl(id);
-        let (kind, span) = (kind_of(decl.kind)?, decl.span);
-        let params = self.params_of(id);
-        let name = display(self.program, &decl.name, &params, &statics);
-        let unit = Unit::new(name.clone(), kind, span);
-        let mut body = Body::new(self, id, statics.clone(), unit);
-        declare_ports(&mut body, id);
-        let unit = body.leave();
-        let params = params.into_iter();
-        let params: Vec<Name> = params.map(|param| param.name().name.clone()).collect();
-        let clocks = unit.flows.iter().filter_map(|flow| flow.clock);
-        let deciding: Set<FlowId> = clocks.map(|on| on.flow).collect();
-        let port = |id: &FlowId| Port {
-            is_static: params.contains(&unit.flow(*id).name),
-            decides: deciding.contains(id),
-            ..port(&unit, *id)
-        };
-        let ports = |ids: &[FlowId]| ids.iter().map(port).collect();
-        Some(Header {
-            decl: id,
-            statics,
-            name,
-            kind,
-            span,
-            inputs: ports(&unit.inputs),
-            outputs: ports(&unit.outputs),
-            free_frames: unit.free_frames.clone(),
-        })
-    }
+fn new_header(checker: &mut Checker<'_>, id: DeclId, statics: Rc<Statics>) -> Option<Header> {
+    let decl = checker.program.decl(id);
+    let (kind, span) = (kind_of(decl.kind)?, decl.span);
+    let params = statics::static_params_of(checker, id);
+    let name = display(checker.program, &decl.name, &params, &statics);
+    let unit = Unit::new(name.clone(), kind, span);
+    let mut body = Body::new(checker, id, statics.clone(), unit);
+    declare_ports(&mut body, id);
+    let unit = body.leave();
+    let params = params.into_iter();
+    let params: Vec<Name> = params.map(|param| param.name().name.clone()).collect();
+    let clocks = unit.flows.iter().filter_map(|flow| flow.clock);
+    let deciding: Set<FlowId> = clocks.map(|on| on.flow).collect();
+    let port = |id: &FlowId| Port {
+        is_static: params.contains(&unit.flow(*id).name),
+        decides: deciding.contains(id),
+        ..port(&unit, *id)
+    };
+    let ports = |ids: &[FlowId]| ids.iter().map(port).collect();
+    Some(Header {
+        decl: id,
+        statics,
+        name,
+        kind,
+        span,
+        inputs: ports(&unit.inputs),
+        outputs: ports(&unit.outputs),
+        free_frames: unit.free_frames.clone(),
+    })
 }
 
 /// Returns a port of a node parameter.
@@ -243,7 +247,7 @@ pub(super) fn declare_ports(cx: &mut Body<'_, '_>, id: DeclId) {
 
 /// Reports a Lustre type parameter with the name of a type of the file.
 fn report_type_param_redefinition(cx: &mut Body<'_, '_>, id: DeclId) {
-    for param in cx.c.params_of(id) {
+    for param in statics::static_params_of(cx.c, id) {
         let super::statics::Param::Type(name, _) = param else {
             continue;
         };
@@ -260,7 +264,7 @@ fn report_type_param_redefinition(cx: &mut Body<'_, '_>, id: DeclId) {
 
 /// Declares static values that are only known at load time as flows.
 fn declare_load_time_params(cx: &mut Body<'_, '_>, id: DeclId) {
-    for param in cx.c.params_of(id) {
+    for param in statics::static_params_of(cx.c, id) {
         let super::statics::Param::Value(name, def) = param else {
             continue;
         };
@@ -269,7 +273,7 @@ fn declare_load_time_params(cx: &mut Body<'_, '_>, id: DeclId) {
         }
         let ty = match &def.ty {
             Some(ty) => types::resolve_type(cx, ty),
-            None => cx.c.static_ty(id, def, &cx.statics.clone()),
+            None => statics::static_param_type(cx.c, id, def, &cx.statics.clone()),
         };
         let optional = false;
         let flow = locals::declare_flow(cx, name, &PortTy { ty, optional }, FlowRole::Param);

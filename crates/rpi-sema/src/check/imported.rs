@@ -7,6 +7,7 @@ use super::body::Body;
 use super::expr;
 use super::locals;
 use super::report::unknown;
+use super::unit;
 use crate::ty::Ty;
 use crate::typed::{BlockId, Equation, ExprId, FlowRole, Kind, Optional, Place, Target};
 use rpi_diag::Span;
@@ -109,7 +110,7 @@ fn check_import<'a>(cx: &mut Body<'_, 'a>, import: &'a ContractImport) -> ExprId
     });
     if let Kind::Call(call) = &cx.unit.expr(value).kind {
         let unit = call.unit;
-        cx.c.check_now(unit);
+        unit::check_unit_now(cx.c, unit);
         let callee = &cx.c.units[unit.0 as usize];
         cx.unit.exprs[value.0 as usize].ty = callee.result().widened();
         if callee.has_state {

@@ -2,6 +2,7 @@
 
 use super::body::Body;
 use super::constraint;
+use super::header;
 use super::header::Header;
 use super::report;
 use super::statics::{Param, Static, Statics, missing};
@@ -97,7 +98,7 @@ pub(super) fn resolve_instance(
     match open.is_empty() {
         true => Some(header.clone()),
         false if !constraint::check_constraints(cx, header.decl, &statics, span) => None,
-        false => cx.c.header(header.decl, Rc::new(statics)),
+        false => header::check_header(cx.c, header.decl, Rc::new(statics)),
     }
 }
 

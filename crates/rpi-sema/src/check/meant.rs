@@ -5,6 +5,7 @@ use super::body::Body;
 use super::expr;
 use super::locals;
 use super::names::plain_name;
+use super::types;
 use crate::program::{Lookup, Space};
 use crate::ty::{StructTy, Ty};
 use crate::typed::{ExprId, Kind};
@@ -58,7 +59,7 @@ pub(super) fn suggest_struct_literal<'a>(
     let Some(told) = told.map(|told| told.clone()) else {
         return cx.fault(span);
     };
-    let Ty::Struct(ty) = cx.c.type_decl(id) else {
+    let Ty::Struct(ty) = types::type_decl(cx.c, id) else {
         return cx.fault(span);
     };
     let form = names_of(&ty.fields).map(|field| format!("{field} = ..."));

@@ -178,13 +178,13 @@ impl Checked {
 pub fn check(program: &Program<'_>) -> Checked {
     let mut checker = Checker::new(program);
     let mut runnable = Vec::new();
-    checker.check_generics();
+    generic::check_generics(&mut checker);
     for id in &program.root().decls {
         runnable.extend(checker.declaration(*id).map(|unit| (*id, unit)));
     }
-    checker.frames_are_placed();
-    checker.check_queued();
-    checker.check_samples();
+    placed::check_frame_placement(&mut checker);
+    unit::check_queued(&mut checker);
+    sample::check_samples(&mut checker);
     checker.findings.extend(program.clashes());
     checker.findings.extend(recursion::check(&checker.units));
     checker.findings.extend(dialect::check(&checker.units));
@@ -344,19 +344,19 @@ impl<'a> Checker<'a> {
     /// arguments.
     fn declaration(&mut self, id: DeclId) -> Option<UnitId> {
         match self.program.decl(id).kind {
-            DeclKind::Const(_) if self.is_lustre(id) => self.constant_alone(id),
+            DeclKind::Const(_) if self.is_lustre(id) => consts::check_lustre_constant(self, id),
             DeclKind::Const(_) | DeclKind::Frame(_) => {
-                self.constant(id);
+                consts::check_constant(self, id);
             }
             DeclKind::Type(_) | DeclKind::Device(_) => {
-                self.type_alone(id);
+                types::check_type(self, id);
             }
             DeclKind::Node(_)
             | DeclKind::Fragment(_)
             | DeclKind::Primitive(_)
             | DeclKind::Command(_)
             | DeclKind::Task(_)
-            | DeclKind::Test(_) => return self.unit_alone(id),
+            | DeclKind::Test(_) => return unit::root_unit(self, id),
             DeclKind::EnumValue { .. } | DeclKind::Constructor { .. } | DeclKind::Broken(_) => {}
         }
         None

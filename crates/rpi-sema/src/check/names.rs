@@ -4,6 +4,7 @@ use super::Constant;
 use super::access;
 use super::body::Body;
 use super::bound;
+use super::consts;
 use super::contract;
 use super::data;
 use super::foreign;
@@ -14,6 +15,7 @@ use super::prim;
 use super::report;
 use super::report::{listed, not_a, unknown};
 use super::statics::Static;
+use super::types;
 use super::unit;
 use super::unknown;
 use crate::program::{Decl, DeclId, DeclKind, Lookup, Space};
@@ -163,19 +165,19 @@ pub(super) fn constant_expr(cx: &mut Body<'_, '_>, constant: &Constant, span: Sp
 fn resolve_declared(cx: &mut Body<'_, '_>, id: DeclId, span: Span) -> ExprId {
     let decl = cx.c.program.decl(id).clone();
     match decl.kind {
-        DeclKind::Const(_) => match cx.c.constant(id) {
+        DeclKind::Const(_) => match consts::check_constant(cx.c, id) {
             Some(constant) => constant_expr(cx, &constant, span),
             None => cx.fault(span),
         },
         DeclKind::EnumValue { ty, index } => {
-            let ty = cx.c.type_decl(ty);
+            let ty = types::type_decl(cx.c, ty);
             cx.add(Kind::Literal(Leaf::int(index.into())), ty, span)
         }
         DeclKind::Constructor { ty, index } => {
             data::constructor_value(cx, (ty, index), &[], &[], span)
         }
         DeclKind::Broken(_) => cx.fault(span),
-        DeclKind::Frame(frame) => match cx.c.constant(id) {
+        DeclKind::Frame(frame) => match consts::check_constant(cx.c, id) {
             Some(constant) => constant_expr(cx, &constant, span),
             None if frame.pose.is_some() => cx.fault(span),
             None => {

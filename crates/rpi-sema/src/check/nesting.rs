@@ -39,64 +39,65 @@ pub(super) fn most(program: &Program<'_>) -> usize {
 pub(super) fn may_expand(cx: &mut Body<'_, '_>, span: Span) -> bool {
     let may = cx.c.written_out + cx.unit.exprs.len() < cx.c.most;
     if !may {
-        cx.c.too_much(span);
+        program_too_large(cx.c, span);
     }
     may
 }
 
-impl Checker<'_> {
-    /// Whether a constant with these leaves may be stored; reports the limit once if not.
-    pub(super) fn may_keep(&mut self, leaves: &[Leaf], span: Span) -> bool {
-        self.written_out += leaves.len() / LEAVES;
-        let may = self.written_out < self.most;
-        if !may {
-            self.too_much(span);
-        }
-        may
+/// Whether a constant with these leaves may be stored; reports the limit once if not.
+pub(super) fn may_store_constant(checker: &mut Checker<'_>, leaves: &[Leaf], span: Span) -> bool {
+    checker.written_out += leaves.len() / LEAVES;
+    let may = checker.written_out < checker.most;
+    if !may {
+        program_too_large(checker, span);
     }
+    may
+}
 
-    /// Reports once that the expanded program is too large.
-    pub(super) fn too_much(&mut self, span: Span) {
-        if std::mem::replace(&mut self.too_many_units, true) {
-            return;
-        }
-        let most = self.most;
-        let message = format!("program too large: more than {most} expressions after expansion");
-        let finding = Finding::new(Code::RPI1011, message).at(span, "limit exceeded here");
-        self.findings.push(finding.help("use smaller sizes: iterators expand to one copy per element, generic nodes to one per choice of static arguments"));
+/// Reports once that the expanded program is too large.
+pub(super) fn program_too_large(checker: &mut Checker<'_>, span: Span) {
+    if std::mem::replace(&mut checker.too_many_units, true) {
+        return;
     }
+    let most = checker.most;
+    let message = format!("program too large: more than {most} expressions after expansion");
+    let finding = Finding::new(Code::RPI1011, message).at(span, "limit exceeded here");
+    checker.findings.push(finding.help("use smaller sizes: iterators expand to one copy per element, generic nodes to one per choice of static arguments"));
+}
 
-    /// Whether a declaration that the current one needs may be checked now; reports the limit once if not.
-    pub(super) fn may_nest(&mut self, what: &str, span: Span) -> bool {
-        self.may(self.nesting < MAX_NESTING, what, span)
-    }
+/// Whether a declaration that the current one needs may be checked now; reports the limit once if not.
+pub(super) fn may_nest(checker: &mut Checker<'_>, what: &str, span: Span) -> bool {
+    check_nesting_limit(checker, checker.nesting < MAX_NESTING, what, span)
+}
 
-    /// Whether another alias may be resolved; reports the limit once if not.
-    pub(super) fn may_stand_for(&mut self, span: Span) -> bool {
-        self.may(self.aliases.len() < MAX_NAMES, "node", span)
-    }
+/// Whether another alias may be resolved; reports the limit once if not.
+pub(super) fn may_alias(checker: &mut Checker<'_>, span: Span) -> bool {
+    check_nesting_limit(checker, checker.aliases.len() < MAX_NAMES, "node", span)
+}
 
-    fn may(&mut self, may: bool, what: &str, span: Span) -> bool {
-        if !may && !std::mem::replace(&mut self.too_deep, true) {
-            self.findings.push(
-                Finding::new(
-                    Code::RPI1011,
-                    format!("the chain of declarations that this {what} depends on is too long"),
-                )
-                .at(span, "end of the chain")
-                .help("declare each name before its use, or shorten the chain"),
-            );
-        }
-        may
+fn check_nesting_limit(checker: &mut Checker<'_>, may: bool, what: &str, span: Span) -> bool {
+    if !may && !std::mem::replace(&mut checker.too_deep, true) {
+        checker.findings.push(
+            Finding::new(
+                Code::RPI1011,
+                format!("the chain of declarations that this {what} depends on is too long"),
+            )
+            .at(span, "end of the chain")
+            .help("declare each name before its use, or shorten the chain"),
+        );
     }
+    may
+}
 
-    /// Runs `work` one nesting level deeper, for a declaration that another one needs.
-    pub(super) fn nested<T>(&mut self, work: impl FnOnce(&mut Self) -> T) -> T {
-        self.nesting += 1;
-        let result = work(self);
-        self.nesting -= 1;
-        result
-    }
+/// Runs `work` one nesting level deeper, for a declaration that another one needs.
+pub(super) fn check_nested<'a, T>(
+    checker: &mut Checker<'a>,
+    work: impl FnOnce(&mut Checker<'a>) -> T,
+) -> T {
+    checker.nesting += 1;
+    let result = work(checker);
+    checker.nesting -= 1;
+    result
 }
 
 /// Whether a struct with these fields is within the size limits.

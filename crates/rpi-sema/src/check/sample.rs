@@ -4,7 +4,10 @@
 
 use super::callable::Callable;
 use super::constraint::nothing_known;
+use super::header;
+use super::statics;
 use super::statics::{Param, Static, Statics, tells_apart};
+use super::unit;
 use super::{Checker, Constant};
 use crate::program::{DeclId, DeclKind};
 use crate::ty::Ty;
@@ -83,108 +86,105 @@ pub(super) fn value(ty: &Ty) -> Option<Rc<[Leaf]>> {
     })
 }
 
-impl Checker<'_> {
-    /// Checks callables that need static arguments and are never called, and the node parameters of all generic
-    /// callables.
-    pub(super) fn check_samples(&mut self) {
-        for id in self.program.root().decls.clone() {
-            if self.params_of(id).is_empty() {
-                continue;
-            }
-            let before = self.findings.len();
-            let is_of_kind2 = self.is_of_kind2(id);
-            let is_checked = !self.is_lustre(id) && self.has_type_params(id);
-            let (sample, is_told): (_, fn(&Finding) -> bool) = match (is_of_kind2, is_checked) {
-                (true, _) => (self.sample(id), is_its_fault),
-                // `generic.rs` checks these bodies for all types that satisfy the constraints.
-                (_, true) => (Some(self.unknown(id)), |_| false),
-                _ => (Some(self.unknown(id)), is_about_text),
-            };
-            if let Some(statics) = sample.map(Rc::new) {
-                self.check_sample(id, statics);
-            }
-            let is_text = self.is_lustre(id) && !is_of_kind2;
-            let found = self.findings.split_off(before).into_iter();
-            let found = found.filter(is_told).map(says_its_size);
-            let weighed =
-                found.map(
-                    |finding| match is_text && finding.severity() == Severity::Error {
-                        true => weighs_less(finding),
-                        false => finding,
-                    },
-                );
-            self.findings.extend(weighed);
+/// Checks callables that need static arguments and are never called, and the node parameters of all generic
+/// callables.
+pub(super) fn check_samples(checker: &mut Checker<'_>) {
+    for id in checker.program.root().decls.clone() {
+        if statics::static_params_of(checker, id).is_empty() {
+            continue;
         }
-    }
-
-    fn check_sample(&mut self, id: DeclId, statics: Rc<Statics>) {
-        self.check_wanted_nodes(id, &statics);
-        if self.called.contains(&id) {
-            return;
+        let before = checker.findings.len();
+        let is_of_kind2 = is_kind2_only(checker, id);
+        let is_checked = !checker.is_lustre(id) && has_type_params(checker, id);
+        let (sample, is_told): (_, fn(&Finding) -> bool) = match (is_of_kind2, is_checked) {
+            (true, _) => (sample_statics(checker, id), is_its_fault),
+            // `generic.rs` checks these bodies for all types that satisfy the constraints.
+            (_, true) => (Some(unknown_statics(checker, id)), |_| false),
+            _ => (Some(unknown_statics(checker, id)), is_about_text),
+        };
+        if let Some(statics) = sample.map(Rc::new) {
+            check_sample(checker, id, statics);
         }
-        if let Some(header) = self.header(id, statics) {
-            self.unit(&header, header.span);
-            self.check_queued();
+        let is_text = checker.is_lustre(id) && !is_of_kind2;
+        let found = checker.findings.split_off(before).into_iter();
+        let found = found.filter(is_told).map(says_its_size);
+        let weighed = found.map(
+            |finding| match is_text && finding.severity() == Severity::Error {
+                true => weighs_less(finding),
+                false => finding,
+            },
+        );
+        checker.findings.extend(weighed);
+    }
+}
+
+fn check_sample(checker: &mut Checker<'_>, id: DeclId, statics: Rc<Statics>) {
+    statics::check_node_params(checker, id, &statics);
+    if checker.called.contains(&id) {
+        return;
+    }
+    if let Some(header) = header::check_header(checker, id, statics) {
+        unit::instantiate(checker, &header, header.span);
+        unit::check_queued(checker);
+    }
+}
+
+/// Whether a declaration is a generic node of Kind 2, `<<T>>`, whose types are opaque. Types of Lustre V6,
+/// `<<type t>>`, behave like text substitution.
+fn is_kind2_only(checker: &Checker<'_>, id: DeclId) -> bool {
+    let of_kind2 = |param: &StaticParam| matches!(&param.kind, StaticParamKind::Type(name, _) if name.span == param.span);
+    match checker.program.decl(id).kind {
+        DeclKind::Node(node) if checker.is_lustre(id) => {
+            node.signature.statics.iter().all(of_kind2)
         }
+        _ => false,
     }
+}
 
-    /// Whether a declaration is a generic node of Kind 2, `<<T>>`, whose types are opaque. Types of Lustre V6,
-    /// `<<type t>>`, behave like text substitution.
-    fn is_of_kind2(&self, id: DeclId) -> bool {
-        let of_kind2 = |param: &StaticParam| matches!(&param.kind, StaticParamKind::Type(name, _) if name.span == param.span);
-        match self.program.decl(id).kind {
-            DeclKind::Node(node) if self.is_lustre(id) => {
-                node.signature.statics.iter().all(of_kind2)
-            }
-            _ => false,
-        }
-    }
+fn has_type_params(checker: &Checker<'_>, id: DeclId) -> bool {
+    let params = statics::static_params_of(checker, id);
+    params.iter().any(|param| matches!(param, Param::Type(..)))
+}
 
-    fn has_type_params(&self, id: DeclId) -> bool {
-        let params = self.params_of(id);
-        params.iter().any(|param| matches!(param, Param::Type(..)))
-    }
-
-    /// Returns static arguments of which as little as possible is known.
-    pub(super) fn unknown(&mut self, id: DeclId) -> Statics {
-        let mut statics = Statics::new();
-        for param in self.params_of(id) {
-            let unknown = match param {
-                Param::Type(..) => Static::Ty(Ty::Unknown),
-                Param::Value(_, def) => {
-                    let ty = self.static_ty(id, def, &statics);
-                    match value(&ty).filter(|_| tells_apart(&ty)) {
-                        Some(leaves) => Static::Value(Constant { ty, leaves }),
-                        None => Static::Opaque,
-                    }
+/// Returns static arguments of which as little as possible is known.
+pub(super) fn unknown_statics(checker: &mut Checker<'_>, id: DeclId) -> Statics {
+    let mut statics = Statics::new();
+    for param in statics::static_params_of(checker, id) {
+        let unknown = match param {
+            Param::Type(..) => Static::Ty(Ty::Unknown),
+            Param::Value(_, def) => {
+                let ty = statics::static_param_type(checker, id, def, &statics);
+                match value(&ty).filter(|_| tells_apart(&ty)) {
+                    Some(leaves) => Static::Value(Constant { ty, leaves }),
+                    None => Static::Opaque,
                 }
-                Param::Node(signature) => {
-                    let header = self.open_header(id, &statics, signature);
-                    Static::Callee(Callable::Open(Rc::new(header)), None)
-                }
-            };
-            statics.insert(param.name().name.clone(), unknown);
-        }
-        statics
+            }
+            Param::Node(signature) => {
+                let header = header::node_param_header(checker, id, &statics, signature);
+                Static::Callee(Callable::Open(Rc::new(header)), None)
+            }
+        };
+        statics.insert(param.name().name.clone(), unknown);
     }
+    statics
+}
 
-    /// Returns opaque types and sample values as static arguments; `None` for node parameters and types without sample
-    /// values.
-    fn sample(&mut self, id: DeclId) -> Option<Statics> {
-        let mut statics = Statics::new();
-        for param in self.params_of(id) {
-            let name = param.name().name.clone();
-            let sample = match param {
-                Param::Type(..) => Static::Ty(nothing_known(&name)),
-                Param::Value(_, def) => {
-                    let ty = self.static_ty(id, def, &statics);
-                    let leaves = value(&ty)?;
-                    Static::Value(Constant { ty, leaves })
-                }
-                Param::Node(_) => return None,
-            };
-            statics.insert(name, sample);
-        }
-        Some(statics)
+/// Returns opaque types and sample values as static arguments; `None` for node parameters and types without sample
+/// values.
+fn sample_statics(checker: &mut Checker<'_>, id: DeclId) -> Option<Statics> {
+    let mut statics = Statics::new();
+    for param in statics::static_params_of(checker, id) {
+        let name = param.name().name.clone();
+        let sample = match param {
+            Param::Type(..) => Static::Ty(nothing_known(&name)),
+            Param::Value(_, def) => {
+                let ty = statics::static_param_type(checker, id, def, &statics);
+                let leaves = value(&ty)?;
+                Static::Value(Constant { ty, leaves })
+            }
+            Param::Node(_) => return None,
+        };
+        statics.insert(name, sample);
     }
+    Some(statics)
 }

@@ -19,7 +19,7 @@ pub(super) fn infer_size_params<'a>(
     given: &[Given<'a>],
     statics: &mut Statics,
 ) -> bool {
-    let Some(signature) = cx.c.signature(id).filter(|_| unit::reads_rpi_syntax(cx)) else {
+    let Some(signature) = check_signature(cx.c, id).filter(|_| unit::reads_rpi_syntax(cx)) else {
         return true;
     };
     let mut known = true;
@@ -69,13 +69,11 @@ fn infer_size<'a>(
     told
 }
 
-impl<'a> Checker<'a> {
-    fn signature(&self, id: DeclId) -> Option<&'a Signature> {
-        match self.program.decl(id).kind {
-            DeclKind::Node(decl) => Some(&decl.signature),
-            DeclKind::Fragment(decl) => Some(&decl.signature),
-            _ => None,
-        }
+fn check_signature<'a>(checker: &Checker<'a>, id: DeclId) -> Option<&'a Signature> {
+    match checker.program.decl(id).kind {
+        DeclKind::Node(decl) => Some(&decl.signature),
+        DeclKind::Fragment(decl) => Some(&decl.signature),
+        _ => None,
     }
 }
 

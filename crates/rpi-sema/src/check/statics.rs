@@ -8,6 +8,7 @@ use super::call;
 use super::callable::Callable;
 use super::consts;
 use super::expr;
+use super::nesting;
 use super::report;
 use super::report::{listed, unknown};
 use super::statement;
@@ -88,36 +89,39 @@ pub(super) fn size_params(node: &NodeDecl) -> Vec<Param<'_>> {
         .collect()
 }
 
-impl<'a> Checker<'a> {
-    /// Whether a callable declaration has a static parameter or an in-port of this name.
-    pub(super) fn takes(&self, id: DeclId, name: &Name) -> bool {
-        self.ports_of(id).any(|port| port == name)
-            || self
-                .params_of(id)
-                .iter()
-                .any(|param| param.name().name == *name)
-    }
+/// Whether a callable declaration has a static parameter or an in-port of this name.
+pub(super) fn has_param(checker: &Checker<'_>, id: DeclId, name: &Name) -> bool {
+    in_port_names(checker, id).any(|port| port == name)
+        || static_params_of(checker, id)
+            .iter()
+            .any(|param| param.name().name == *name)
+}
 
-    /// Returns the names of the in-ports of a callable declaration.
-    pub(super) fn ports_of(&self, id: DeclId) -> impl Iterator<Item = &'a Name> + use<'a> {
-        self.port_names(id).map(|name| &name.name)
-    }
+/// Returns the names of the in-ports of a callable declaration.
+pub(super) fn in_port_names<'a>(
+    checker: &Checker<'a>,
+    id: DeclId,
+) -> impl Iterator<Item = &'a Name> + use<'a> {
+    in_port_idents(checker, id).map(|name| &name.name)
+}
 
-    /// Returns the names of the in-ports of a callable declaration, with their locations.
-    pub(super) fn port_names(&self, id: DeclId) -> impl Iterator<Item = &'a Ident> + use<'a> {
-        let inputs: &'a [VarDecl] = match self.program.decl(id).kind {
-            DeclKind::Node(d) => d.signature.inputs.as_deref().unwrap_or(&[]),
-            DeclKind::Fragment(d) => d.signature.inputs.as_deref().unwrap_or(&[]),
-            DeclKind::Primitive(d) => d.signature.inputs.as_deref().unwrap_or(&[]),
-            _ => &[],
-        };
-        inputs.iter().flat_map(|port| &port.names)
-    }
+/// Returns the names of the in-ports of a callable declaration, with their locations.
+pub(super) fn in_port_idents<'a>(
+    checker: &Checker<'a>,
+    id: DeclId,
+) -> impl Iterator<Item = &'a Ident> + use<'a> {
+    let inputs: &'a [VarDecl] = match checker.program.decl(id).kind {
+        DeclKind::Node(d) => d.signature.inputs.as_deref().unwrap_or(&[]),
+        DeclKind::Fragment(d) => d.signature.inputs.as_deref().unwrap_or(&[]),
+        DeclKind::Primitive(d) => d.signature.inputs.as_deref().unwrap_or(&[]),
+        _ => &[],
+    };
+    inputs.iter().flat_map(|port| &port.names)
+}
 
-    /// Returns the static parameters of a callable declaration.
-    pub(super) fn params_of(&self, id: DeclId) -> Vec<Param<'a>> {
-        params_of(self.program.decl(id).kind)
-    }
+/// Returns the static parameters of a callable declaration.
+pub(super) fn static_params_of<'a>(checker: &Checker<'a>, id: DeclId) -> Vec<Param<'a>> {
+    params_of(checker.program.decl(id).kind)
 }
 
 /// Returns the static parameters of a callable declaration.
@@ -149,7 +153,7 @@ pub(super) fn bind_statics<'a>(
     id: DeclId,
     args: &'a [StaticArg],
 ) -> Bound<'a> {
-    let params = cx.c.params_of(id);
+    let params = static_params_of(cx.c, id);
     let mut bound = Bound {
         statics: Statics::new(),
         ports: Vec::new(),
@@ -225,7 +229,7 @@ fn bind_size<'a>(
     arg: &'a Arg,
     bound: &mut Bound<'a>,
 ) {
-    let ty = cx.c.static_ty(id, def, &bound.statics);
+    let ty = static_param_type(cx.c, id, def, &bound.statics);
     match consts::const_value(cx, &arg.value, &ty) {
         Some(leaves) => {
             bound
@@ -240,7 +244,7 @@ fn bind_size<'a>(
 /// `on_delay<<500[ms]>>(x)`.
 fn may_be_for_port(cx: &Body<'_, '_>, id: DeclId, params: &[Param<'_>], arg: &StaticArg) -> bool {
     let has_values = params.iter().any(|param| !matches!(param, Param::Type(..)));
-    let has_ports = cx.c.ports_of(id).next().is_some();
+    let has_ports = in_port_names(cx.c, id).next().is_some();
     unit::reads_rpi_syntax(cx)
         && !has_values
         && has_ports
@@ -353,7 +357,7 @@ fn bind_value<'a>(
     value: ExprId,
     bound: &mut Bound<'a>,
 ) -> Static {
-    let ty = cx.c.static_ty(id, def, &bound.statics);
+    let ty = static_param_type(cx.c, id, def, &bound.statics);
     let wanted = super::report::Wanted::By(name.span, format!("`{}` is `{ty}`", name.name));
     statement::expect_type(cx, value, &ty, &wanted);
     if tells_apart(&ty)
@@ -427,8 +431,7 @@ fn port_mismatch<'a>(
     let ports = alias::callable_ports(cx, callable, span)?;
     let wanted = [&signature.inputs, &signature.outputs];
     for (wanted, given) in wanted.into_iter().zip([&ports.inputs, &ports.outputs]) {
-        let wanted =
-            cx.c.types_in(id, statics, wanted.as_deref().unwrap_or_default());
+        let wanted = signature_port_types(cx.c, id, statics, wanted.as_deref().unwrap_or_default());
         if wanted.len() != given.len() {
             let counts = (wanted.len(), given.len());
             return Some(wrong_node(signature, span, "number of ports", counts));
@@ -452,119 +455,135 @@ pub(super) fn static_callee<'a>(cx: &mut Body<'_, 'a>, arg: &'a StaticArg) -> Op
     static_callable(cx, arg)
 }
 
-impl<'a> Checker<'a> {
-    /// Returns the declared type of a static value parameter, or the type of its default. The type is unknown if it
-    /// depends on unbound type parameters.
-    pub(super) fn static_ty(&mut self, id: DeclId, def: &'a ConstDef, statics: &Statics) -> Ty {
-        let mut known = statics.clone();
-        for param in self.params_of(id) {
-            if let Param::Type(name, _) = param {
-                let open = || Static::Ty(Ty::Unknown);
-                known.entry(name.name.clone()).or_insert_with(open);
-            }
+/// Returns the declared type of a static value parameter, or the type of its default. The type is unknown if it
+/// depends on unbound type parameters.
+pub(super) fn static_param_type<'a>(
+    checker: &mut Checker<'a>,
+    id: DeclId,
+    def: &'a ConstDef,
+    statics: &Statics,
+) -> Ty {
+    let mut known = statics.clone();
+    for param in static_params_of(checker, id) {
+        if let Param::Type(name, _) = param {
+            let open = || Static::Ty(Ty::Unknown);
+            known.entry(name.name.clone()).or_insert_with(open);
         }
-        self.ty_among(id, def, &Rc::new(known))
     }
+    static_param_type_with(checker, id, def, &Rc::new(known))
+}
 
-    /// Returns the types of ports in the signature of a declaration, one for each name.
-    pub(super) fn types_in(
-        &mut self,
-        id: DeclId,
-        statics: &Statics,
-        ports: &'a [VarDecl],
-    ) -> Vec<Ty> {
-        let mut body = self.signature_body(id, &Rc::new(statics.clone()));
+/// Returns the types of ports in the signature of a declaration, one for each name.
+pub(super) fn signature_port_types<'a>(
+    checker: &mut Checker<'a>,
+    id: DeclId,
+    statics: &Statics,
+    ports: &'a [VarDecl],
+) -> Vec<Ty> {
+    let mut body = signature_body(checker, id, &Rc::new(statics.clone()));
+    body.in_signature = true;
+    let mut types = Vec::new();
+    for port in ports {
+        let ty = types::resolve_type(&mut body, &port.ty);
+        types.extend(port.names.iter().map(|_| ty.clone()));
+    }
+    types
+}
+
+/// Reports errors in the port types of the node parameters of a declaration.
+pub(super) fn check_node_params(checker: &mut Checker<'_>, id: DeclId, statics: &Rc<Statics>) {
+    for param in static_params_of(checker, id) {
+        let Param::Node(signature) = param else {
+            continue;
+        };
+        let mut body = signature_body(checker, id, statics);
         body.in_signature = true;
-        let mut types = Vec::new();
+        let ports = signature.inputs.iter().chain(&signature.outputs).flatten();
         for port in ports {
-            let ty = types::resolve_type(&mut body, &port.ty);
-            types.extend(port.names.iter().map(|_| ty.clone()));
+            types::resolve_type(&mut body, &port.ty);
         }
-        types
+        body.leave();
     }
+}
 
-    /// Reports errors in the port types of the node parameters of a declaration.
-    pub(super) fn check_wanted_nodes(&mut self, id: DeclId, statics: &Rc<Statics>) {
-        for param in self.params_of(id) {
-            let Param::Node(signature) = param else {
-                continue;
-            };
-            let mut body = self.signature_body(id, statics);
-            body.in_signature = true;
-            let ports = signature.inputs.iter().chain(&signature.outputs).flatten();
-            for port in ports {
-                types::resolve_type(&mut body, &port.ty);
-            }
-            body.leave();
+fn static_param_type_with<'a>(
+    checker: &mut Checker<'a>,
+    id: DeclId,
+    def: &'a ConstDef,
+    statics: &Rc<Statics>,
+) -> Ty {
+    let mut body = signature_body(checker, id, statics);
+    body.in_signature = true;
+    match (&def.ty, &def.value) {
+        (Some(ty), _) => types::resolve_type(&mut body, ty),
+        (None, Some(value)) => {
+            let value = expr::check_expr(&mut body, value);
+            body.ty_of(value).clone()
         }
+        (None, None) => Ty::Unknown,
     }
+}
 
-    fn ty_among(&mut self, id: DeclId, def: &'a ConstDef, statics: &Rc<Statics>) -> Ty {
-        let mut body = self.signature_body(id, statics);
-        body.in_signature = true;
-        match (&def.ty, &def.value) {
-            (Some(ty), _) => types::resolve_type(&mut body, ty),
-            (None, Some(value)) => {
-                let value = expr::check_expr(&mut body, value);
-                body.ty_of(value).clone()
-            }
-            (None, None) => Ty::Unknown,
+/// Returns a body for checking the signature of a declaration, with the static parameters known so far.
+fn signature_body<'s, 'a>(
+    checker: &'s mut Checker<'a>,
+    id: DeclId,
+    statics: &Rc<Statics>,
+) -> Body<'s, 'a> {
+    let unit = crate::typed::Unit::new("".into(), crate::typed::UnitKind::Constant, Span::NONE);
+    Body::new(checker, id, statics.clone(), unit)
+}
+
+/// Adds defaults for parameters without an argument; returns the names that remain open.
+pub(super) fn add_default_statics(
+    checker: &mut Checker<'_>,
+    id: DeclId,
+    statics: &mut Statics,
+) -> Vec<Name> {
+    let mut open = Vec::new();
+    for param in static_params_of(checker, id) {
+        let name = &param.name().name;
+        if statics.contains_key(name) {
+            continue;
         }
-    }
-
-    /// Returns a body for checking the signature of a declaration, with the static parameters known so far.
-    fn signature_body(&mut self, id: DeclId, statics: &Rc<Statics>) -> Body<'_, 'a> {
-        let unit = crate::typed::Unit::new("".into(), crate::typed::UnitKind::Constant, Span::NONE);
-        Body::new(self, id, statics.clone(), unit)
-    }
-
-    /// Adds defaults for parameters without an argument; returns the names that remain open.
-    pub(super) fn complete(&mut self, id: DeclId, statics: &mut Statics) -> Vec<Name> {
-        let mut open = Vec::new();
-        for param in self.params_of(id) {
-            let name = &param.name().name;
-            if statics.contains_key(name) {
-                continue;
-            }
-            match param {
-                Param::Value(_, def) => {
-                    // Moved out and back instead of cloned: each default may need all parameters before it.
-                    let known = Rc::new(std::mem::take(statics));
-                    let value = self.default_static(id, def, &known);
-                    *statics = Rc::unwrap_or_clone(known);
-                    if value.is_none() && def.value.is_none() {
-                        open.push(name.clone());
-                    }
-                    statics.insert(name.clone(), value.unwrap_or(Static::Opaque));
-                }
-                Param::Type(..) => {
+        match param {
+            Param::Value(_, def) => {
+                // Moved out and back instead of cloned: each default may need all parameters before it.
+                let known = Rc::new(std::mem::take(statics));
+                let value = default_static(checker, id, def, &known);
+                *statics = Rc::unwrap_or_clone(known);
+                if value.is_none() && def.value.is_none() {
                     open.push(name.clone());
-                    statics.insert(name.clone(), Static::Ty(Ty::Generic(name.clone())));
                 }
-                Param::Node(_) => open.push(name.clone()),
+                statics.insert(name.clone(), value.unwrap_or(Static::Opaque));
             }
+            Param::Type(..) => {
+                open.push(name.clone());
+                statics.insert(name.clone(), Static::Ty(Ty::Generic(name.clone())));
+            }
+            Param::Node(_) => open.push(name.clone()),
         }
-        open
     }
+    open
+}
 
-    fn default_static(
-        &mut self,
-        id: DeclId,
-        def: &'a ConstDef,
-        statics: &Rc<Statics>,
-    ) -> Option<Static> {
-        let decl = self.program.decl(id);
-        let ty = self.ty_among(id, def, statics);
-        let value = def.value.as_ref().filter(|_| tells_apart(&ty))?;
-        if !self.may_nest("static parameter", decl.span) {
-            return None;
-        }
-        let leaves = self.nested(|checker| {
-            let mut body = checker.signature_body(id, statics);
-            consts::const_value(&mut body, value, &ty)
-        })?;
-        Some(Static::Value(Constant { ty, leaves }))
+fn default_static<'a>(
+    checker: &mut Checker<'a>,
+    id: DeclId,
+    def: &'a ConstDef,
+    statics: &Rc<Statics>,
+) -> Option<Static> {
+    let decl = checker.program.decl(id);
+    let ty = static_param_type_with(checker, id, def, statics);
+    let value = def.value.as_ref().filter(|_| tells_apart(&ty))?;
+    if !nesting::may_nest(checker, "static parameter", decl.span) {
+        return None;
     }
+    let leaves = nesting::check_nested(checker, |checker| {
+        let mut body = signature_body(checker, id, statics);
+        consts::const_value(&mut body, value, &ty)
+    })?;
+    Some(Static::Value(Constant { ty, leaves }))
 }
 
 /// Whether values of a type may determine sizes and branches, so that each value needs its own instance.

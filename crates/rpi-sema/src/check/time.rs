@@ -10,6 +10,7 @@ use super::body::Body;
 use super::constraint::written;
 use super::header::Header;
 use super::prim;
+use super::statics;
 use super::statics::Param;
 use crate::program::{DeclId, DeclKind};
 use crate::ty::Ty;
@@ -285,7 +286,7 @@ pub(super) fn unify_generic_times(cx: &mut Body<'_, '_>, header: &Header, args: 
         }
         let alike = generic.iter().filter(|other| other.0 == *name);
         let alike: Vec<ExprId> = alike.map(|other| other.1).collect();
-        let exact = cx.c.may_be_time(header.decl, name)
+        let exact = may_be_time(cx.c, header.decl, name)
             && alike
                 .iter()
                 .all(|id| is_time(cx, *id) || fixed_alternatives(cx, *id).is_some());
@@ -324,21 +325,19 @@ fn prim_call(prim: PrimId, input: Option<ExprId>) -> Kind {
     }))
 }
 
-impl Checker<'_> {
-    /// Whether a type parameter may be a time: its constraint admits times, and the body is RPI text, which has this
-    /// type.
-    fn may_be_time(&self, id: DeclId, name: &Name) -> bool {
-        let is_body = matches!(
-            self.program.decl(id).kind,
-            DeclKind::Node(_) | DeclKind::Fragment(_)
-        );
-        let params = self.params_of(id);
-        let constraint = params.iter().find_map(|param| match param {
-            Param::Type(of, constraint) if of.name == *name => Some(written(*constraint)),
-            _ => None,
-        });
-        is_body && !self.is_lustre(id) && constraint.is_some_and(|c| c.admits(&Ty::Duration))
-    }
+/// Whether a type parameter may be a time: its constraint admits times, and the body is RPI text, which has this
+/// type.
+fn may_be_time(checker: &Checker<'_>, id: DeclId, name: &Name) -> bool {
+    let is_body = matches!(
+        checker.program.decl(id).kind,
+        DeclKind::Node(_) | DeclKind::Fragment(_)
+    );
+    let params = statics::static_params_of(checker, id);
+    let constraint = params.iter().find_map(|param| match param {
+        Param::Type(of, constraint) if of.name == *name => Some(written(*constraint)),
+        _ => None,
+    });
+    is_body && !checker.is_lustre(id) && constraint.is_some_and(|c| c.admits(&Ty::Duration))
 }
 
 /// Returns the type and the machine type of a value outside of the program; a time is in seconds there.

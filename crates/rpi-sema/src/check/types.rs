@@ -8,6 +8,7 @@ use super::device;
 use super::locals;
 use super::locals::Local;
 use super::machine;
+use super::nesting;
 use super::nesting::is_workable;
 use super::quantifier;
 use super::quantifier::{SETS, foreign_ty};
@@ -384,101 +385,103 @@ fn checked_frame(cx: &mut Body<'_, '_>, known: bool, name: Name, span: Span) -> 
     known.then_some(name)
 }
 
-impl<'a> Checker<'a> {
-    /// Checks a type declaration or device type on its own.
-    pub(super) fn type_alone(&mut self, id: DeclId) {
-        match self.program.decl(id).kind {
-            DeclKind::Type(def) => {
-                let params = super::statics::params(&def.statics).into_iter();
-                let open = params.map(|param| {
-                    let name = param.name().name.clone();
-                    (name.clone(), Static::Ty(Ty::Generic(name)))
-                });
-                self.type_instance(id, Rc::new(open.collect()));
-            }
-            DeclKind::Device(device) => self.device_alone(id, device),
-            _ => {}
+/// Checks a type declaration or device type on its own.
+pub(super) fn check_type(checker: &mut Checker<'_>, id: DeclId) {
+    match checker.program.decl(id).kind {
+        DeclKind::Type(def) => {
+            let params = super::statics::params(&def.statics).into_iter();
+            let open = params.map(|param| {
+                let name = param.name().name.clone();
+                (name.clone(), Static::Ty(Ty::Generic(name)))
+            });
+            type_instance(checker, id, Rc::new(open.collect()));
         }
+        DeclKind::Device(device) => device::check_device(checker, id, device),
+        _ => {}
     }
+}
 
-    /// Returns the type of a declaration without static arguments.
-    pub(super) fn type_decl(&mut self, id: DeclId) -> Ty {
-        self.type_instance(id, Rc::default())
-    }
+/// Returns the type of a declaration without static arguments.
+pub(super) fn type_decl(checker: &mut Checker<'_>, id: DeclId) -> Ty {
+    type_instance(checker, id, Rc::default())
+}
 
-    /// Returns the type of a declaration with static arguments.
-    pub(super) fn type_instance(&mut self, id: DeclId, statics: Rc<Statics>) -> Ty {
-        let key = super::instance::key(id, &statics);
-        match self.types.get(&key) {
-            Some(Lazy::Done(ty)) => return ty.clone().unwrap_or(Ty::Unknown),
-            Some(Lazy::Busy) => {
-                self.in_circles("type", id);
-                return Ty::Unknown;
-            }
-            None => {}
-        }
-        if !self.may_nest("type", self.program.decl(id).span) {
+/// Returns the type of a declaration with static arguments.
+pub(super) fn type_instance(checker: &mut Checker<'_>, id: DeclId, statics: Rc<Statics>) -> Ty {
+    let key = super::instance::key(id, &statics);
+    match checker.types.get(&key) {
+        Some(Lazy::Done(ty)) => return ty.clone().unwrap_or(Ty::Unknown),
+        Some(Lazy::Busy) => {
+            report_dependency_cycle(checker, "type", id);
             return Ty::Unknown;
         }
-        // In progress before it is resolved, so that a type that depends on itself is detected.
-        self.types.insert(key.clone(), Lazy::Busy);
-        self.open.push(id);
-        let ty = self.nested(|checker| checker.type_def(id, statics));
-        self.open.pop();
-        self.types.insert(key, Lazy::Done(Some(ty.clone())));
-        ty
+        None => {}
     }
+    if !nesting::may_nest(checker, "type", checker.program.decl(id).span) {
+        return Ty::Unknown;
+    }
+    // In progress before it is resolved, so that a type that depends on itself is detected.
+    checker.types.insert(key.clone(), Lazy::Busy);
+    checker.open.push(id);
+    let ty = nesting::check_nested(checker, |checker| type_def(checker, id, statics));
+    checker.open.pop();
+    checker.types.insert(key, Lazy::Done(Some(ty.clone())));
+    ty
+}
 
-    fn type_def(&mut self, id: DeclId, statics: Rc<Statics>) -> Ty {
-        let DeclKind::Type(def) = self.program.decl(id).kind else {
-            return Ty::Unknown;
-        };
-        let mut body = Body::around(self, id);
-        body.statics = statics;
-        let ty = resolve_type_def(&mut body, def);
-        let is_temporal = body.state_at.is_some();
-        body.leave();
-        if is_temporal {
-            self.temporal.insert(id);
-        }
-        ty
+fn type_def(checker: &mut Checker<'_>, id: DeclId, statics: Rc<Statics>) -> Ty {
+    let DeclKind::Type(def) = checker.program.decl(id).kind else {
+        return Ty::Unknown;
+    };
+    let mut body = Body::around(checker, id);
+    body.statics = statics;
+    let ty = resolve_type_def(&mut body, def);
+    let is_temporal = body.state_at.is_some();
+    body.leave();
+    if is_temporal {
+        checker.temporal.insert(id);
     }
+    ty
+}
 
-    /// Reports a dependency cycle of declarations.
-    pub(super) fn in_circles(&mut self, what: &str, id: DeclId) {
-        let from = self.open.iter().position(|open| *open == id).unwrap_or(0);
-        let ring: Vec<_> = self.open[from..]
-            .iter()
-            .map(|id| self.program.decl(*id))
-            .collect();
-        let name = &self.program.decl(id).name;
-        let way: Vec<String> = ring
-            .iter()
-            .map(|decl| format!("`{}` -> ", decl.name))
-            .collect();
-        let message = match ring.len() {
-            0 | 1 => format!("the {what} `{name}` depends on itself"),
-            _ => format!(
-                "the {what} `{name}` depends on itself: {}`{name}`",
-                way.concat()
-            ),
-        };
-        let mut finding = Finding::new(Code::RPI1007, message);
-        if ring.is_empty() {
-            let decl = self.program.decl(id);
-            let text = format!("`{name}` depends on `{name}`");
-            finding = finding.at(decl.span, text);
-        }
-        for (k, decl) in ring.iter().enumerate() {
-            let next = &ring[(k + 1) % ring.len()].name;
-            let text = format!("`{}` depends on `{next}`", decl.name);
-            finding = match k {
-                0 => finding.at(decl.span, text),
-                _ => finding.also(decl.span, text),
-            };
-        }
-        self.findings.push(finding);
+/// Reports a dependency cycle of declarations.
+pub(super) fn report_dependency_cycle(checker: &mut Checker<'_>, what: &str, id: DeclId) {
+    let from = checker
+        .open
+        .iter()
+        .position(|open| *open == id)
+        .unwrap_or(0);
+    let ring: Vec<_> = checker.open[from..]
+        .iter()
+        .map(|id| checker.program.decl(*id))
+        .collect();
+    let name = &checker.program.decl(id).name;
+    let way: Vec<String> = ring
+        .iter()
+        .map(|decl| format!("`{}` -> ", decl.name))
+        .collect();
+    let message = match ring.len() {
+        0 | 1 => format!("the {what} `{name}` depends on itself"),
+        _ => format!(
+            "the {what} `{name}` depends on itself: {}`{name}`",
+            way.concat()
+        ),
+    };
+    let mut finding = Finding::new(Code::RPI1007, message);
+    if ring.is_empty() {
+        let decl = checker.program.decl(id);
+        let text = format!("`{name}` depends on `{name}`");
+        finding = finding.at(decl.span, text);
     }
+    for (k, decl) in ring.iter().enumerate() {
+        let next = &ring[(k + 1) % ring.len()].name;
+        let text = format!("`{}` depends on `{next}`", decl.name);
+        finding = match k {
+            0 => finding.at(decl.span, text),
+            _ => finding.also(decl.span, text),
+        };
+    }
+    checker.findings.push(finding);
 }
 
 fn resolve_type_def<'a>(cx: &mut Body<'_, 'a>, def: &'a TypeDef) -> Ty {

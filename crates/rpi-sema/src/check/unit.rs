@@ -10,10 +10,12 @@ use super::header;
 use super::header::{Header, kind_of};
 use super::imported;
 use super::instance::key;
+use super::nesting;
 use super::nothing;
 use super::prim;
 use super::report;
 use super::statement;
+use super::statics;
 use super::statics::Statics;
 use super::task;
 use crate::elab::MAX_DEPTH;
@@ -46,188 +48,201 @@ enum Progress {
     Done,
 }
 
-impl<'a> Checker<'a> {
-    /// Returns the unit of a callable, and creates it at the first call; `None` if a limit is exceeded.
-    pub(super) fn unit(&mut self, header: &Rc<Header>, span: Span) -> Option<UnitId> {
-        let key = key(header.decl, &header.statics);
-        if let Some(id) = self.unit_ids.get(&key) {
-            return Some(*id);
-        }
-        let depth = match header.statics.is_empty() {
-            true => 0,
-            false => self.depth + 1,
-        };
-        if self.units.len() >= MAX_UNITS || depth as usize > MAX_DEPTH {
-            self.endless(header, depth, span);
-            return None;
-        }
-        if self.written_out >= self.most {
-            self.too_much(span);
-            return None;
-        }
-        let id = UnitId(u32::try_from(self.units.len()).unwrap_or(u32::MAX));
-        self.units
-            .push(Unit::new(header.name.clone(), header.kind, header.span));
-        self.entries.push(Entry {
-            header: header.clone(),
-            called: span,
-            depth,
-            state: Progress::Queued,
-        });
-        self.unit_ids.insert(key, id);
-        self.called.insert(header.decl);
-        self.queue.push_back(id);
-        Some(id)
+/// Returns the unit of a callable, and creates it at the first call; `None` if a limit is exceeded.
+pub(super) fn instantiate(
+    checker: &mut Checker<'_>,
+    header: &Rc<Header>,
+    span: Span,
+) -> Option<UnitId> {
+    let key = key(header.decl, &header.statics);
+    if let Some(id) = checker.unit_ids.get(&key) {
+        return Some(*id);
     }
+    let depth = match header.statics.is_empty() {
+        true => 0,
+        false => checker.depth + 1,
+    };
+    if checker.units.len() >= MAX_UNITS || depth as usize > MAX_DEPTH {
+        instance_limit_exceeded(checker, header, depth, span);
+        return None;
+    }
+    if checker.written_out >= checker.most {
+        nesting::program_too_large(checker, span);
+        return None;
+    }
+    let id = UnitId(u32::try_from(checker.units.len()).unwrap_or(u32::MAX));
+    checker
+        .units
+        .push(Unit::new(header.name.clone(), header.kind, header.span));
+    checker.entries.push(Entry {
+        header: header.clone(),
+        called: span,
+        depth,
+        state: Progress::Queued,
+    });
+    checker.unit_ids.insert(key, id);
+    checker.called.insert(header.decl);
+    checker.queue.push_back(id);
+    Some(id)
+}
 
-    fn endless(&mut self, header: &Header, depth: u32, span: Span) {
-        if std::mem::replace(&mut self.too_many_units, true) {
-            return;
-        }
-        let name = &self.program.decl(header.decl).name;
-        let message = match depth as usize > MAX_DEPTH {
-            true => format!("recursion of `{name}` is more than {MAX_DEPTH} instances deep"),
-            false => format!("`{name}` has more than {MAX_UNITS} instances"),
-        };
-        let finding = Finding::new(Code::RPI1011, message).at(span, "limit exceeded here");
-        self.findings
-            .push(finding.help("end a recursion over static parameters by `with`"));
+fn instance_limit_exceeded(checker: &mut Checker<'_>, header: &Header, depth: u32, span: Span) {
+    if std::mem::replace(&mut checker.too_many_units, true) {
+        return;
     }
+    let name = &checker.program.decl(header.decl).name;
+    let message = match depth as usize > MAX_DEPTH {
+        true => format!("recursion of `{name}` is more than {MAX_DEPTH} instances deep"),
+        false => format!("`{name}` has more than {MAX_UNITS} instances"),
+    };
+    let finding = Finding::new(Code::RPI1011, message).at(span, "limit exceeded here");
+    checker
+        .findings
+        .push(finding.help("end a recursion over static parameters by `with`"));
+}
 
-    /// Returns the unit of a declaration that is run on its own; `None` if it needs static arguments.
-    pub(super) fn unit_alone(&mut self, id: DeclId) -> Option<UnitId> {
-        let mut statics = Statics::new();
-        let open = self.complete(id, &mut statics);
-        let needs_more = self.params_of(id).iter().any(|param| {
-            let is_open = open.contains(&param.name().name);
-            is_open
-                && !matches!(
-                    statics.get(&param.name().name),
-                    Some(super::statics::Static::Opaque)
-                )
-        });
-        let sizes = self.open_sizes(id, &open, &statics);
-        if needs_more || sizes {
-            return None;
-        }
-        let header = self.header(id, Rc::new(statics))?;
-        let is_alias = matches!(
-            self.program.decl(id).kind,
-            DeclKind::Node(node) if matches!(node.definition, NodeDef::Alias(_))
-        );
-        // The target of an alias is not known before it is called.
-        if is_alias && header.outputs.is_empty() {
-            return None;
-        }
-        self.unit(&header, header.span)
+/// Returns the unit of a declaration that is run on its own; `None` if it needs static arguments.
+pub(super) fn root_unit(checker: &mut Checker<'_>, id: DeclId) -> Option<UnitId> {
+    let mut statics = Statics::new();
+    let open = statics::add_default_statics(checker, id, &mut statics);
+    let needs_more = statics::static_params_of(checker, id).iter().any(|param| {
+        let is_open = open.contains(&param.name().name);
+        is_open
+            && !matches!(
+                statics.get(&param.name().name),
+                Some(super::statics::Static::Opaque)
+            )
+    });
+    let sizes = has_open_sizes(checker, id, &open, &statics);
+    if needs_more || sizes {
+        return None;
     }
+    let header = header::check_header(checker, id, Rc::new(statics))?;
+    let is_alias = matches!(
+        checker.program.decl(id).kind,
+        DeclKind::Node(node) if matches!(node.definition, NodeDef::Alias(_))
+    );
+    // The target of an alias is not known before it is called.
+    if is_alias && header.outputs.is_empty() {
+        return None;
+    }
+    instantiate(checker, &header, header.span)
+}
 
-    /// Whether a value parameter that may determine sizes has no argument.
-    fn open_sizes(&mut self, id: DeclId, open: &[rpi_syntax::Name], statics: &Statics) -> bool {
-        let params = self.params_of(id);
-        params.iter().any(|param| match param {
-            super::statics::Param::Value(name, def) if open.contains(&name.name) => {
-                super::statics::tells_apart(&self.static_ty(id, def, statics))
-            }
-            _ => false,
-        })
-    }
+/// Whether a value parameter that may determine sizes has no argument.
+fn has_open_sizes(
+    checker: &mut Checker<'_>,
+    id: DeclId,
+    open: &[rpi_syntax::Name],
+    statics: &Statics,
+) -> bool {
+    let params = statics::static_params_of(checker, id);
+    params.iter().any(|param| match param {
+        super::statics::Param::Value(name, def) if open.contains(&name.name) => {
+            super::statics::tells_apart(&statics::static_param_type(checker, id, def, statics))
+        }
+        _ => false,
+    })
+}
 
-    /// Whether a value parameter that may determine sizes has no argument, and the signature needs it.
-    pub(super) fn lacks_sizes(
-        &mut self,
-        id: DeclId,
-        open: &[rpi_syntax::Name],
-        statics: &Statics,
-        span: Span,
-    ) -> bool {
-        let lacks = self.open_sizes(id, open, statics);
-        let header = lacks.then(|| self.header_without(id, Rc::new(statics.clone()), open, span));
-        header.is_some_and(|header| header.is_none())
-    }
+/// Whether a value parameter that may determine sizes has no argument, and the signature needs it.
+pub(super) fn lacks_sizes(
+    checker: &mut Checker<'_>,
+    id: DeclId,
+    open: &[rpi_syntax::Name],
+    statics: &Statics,
+    span: Span,
+) -> bool {
+    let lacks = has_open_sizes(checker, id, open, statics);
+    let header = lacks.then(|| {
+        alias::header_with_open_statics(checker, id, Rc::new(statics.clone()), open, span)
+    });
+    header.is_some_and(|header| header.is_none())
+}
 
-    /// Checks all units in the queue, and the units that they call.
-    pub(super) fn check_queued(&mut self) {
-        while let Some(id) = self.queue.pop_front() {
-            self.check_unit(id);
+/// Checks all units in the queue, and the units that they call.
+pub(super) fn check_queued(checker: &mut Checker<'_>) {
+    while let Some(id) = checker.queue.pop_front() {
+        check_unit(checker, id);
+    }
+}
+
+/// Checks a unit and all units that it calls immediately, for a constant that needs them.
+pub(super) fn check_unit_now(checker: &mut Checker<'_>, id: UnitId) {
+    let is_queued = |c: &Checker, id: UnitId| c.entries[id.0 as usize].state == Progress::Queued;
+    if !is_queued(checker, id)
+        || !nesting::may_nest(checker, "call", checker.units[id.0 as usize].span)
+    {
+        return;
+    }
+    // An explicit stack, so that a long chain of calls costs no call stack.
+    let mut open = vec![id];
+    while let Some(id) = open.pop() {
+        if is_queued(checker, id) {
+            nesting::check_nested(checker, |c| check_unit(c, id));
+            open.extend(calls_of(checker, id));
         }
     }
+}
 
-    /// Checks a unit and all units that it calls immediately, for a constant that needs them.
-    pub(super) fn check_now(&mut self, id: UnitId) {
-        let is_queued = |c: &Self, id: UnitId| c.entries[id.0 as usize].state == Progress::Queued;
-        if !is_queued(self, id) || !self.may_nest("call", self.units[id.0 as usize].span) {
-            return;
-        }
-        // An explicit stack, so that a long chain of calls costs no call stack.
-        let mut open = vec![id];
-        while let Some(id) = open.pop() {
-            if is_queued(self, id) {
-                self.nested(|c| c.check_unit(id));
-                open.extend(self.calls_of(id));
-            }
-        }
+/// Whether a callable reads none of these ports. A static parameter that is never read needs no argument.
+pub(super) fn reads_no_ports(
+    checker: &mut Checker<'_>,
+    header: &Rc<Header>,
+    ports: &[(usize, &super::header::Port)],
+    span: Span,
+) -> bool {
+    let Some(id) = instantiate(checker, header, span) else {
+        return false;
+    };
+    check_unit_now(checker, id);
+    if checker.entries[id.0 as usize].state != Progress::Done {
+        return false;
     }
+    let unit = &checker.units[id.0 as usize];
+    let flows: Vec<_> = ports.iter().map(|(place, _)| unit.inputs[*place]).collect();
+    let mut exprs = unit.exprs.iter();
+    !exprs.any(|expr| matches!(expr.kind, Kind::Flow(flow) if flows.contains(&flow)))
+}
 
-    /// Whether a callable reads none of these ports. A static parameter that is never read needs no argument.
-    pub(super) fn reads_none(
-        &mut self,
-        header: &Rc<Header>,
-        ports: &[(usize, &super::header::Port)],
-        span: Span,
-    ) -> bool {
-        let Some(id) = self.unit(header, span) else {
-            return false;
-        };
-        self.check_now(id);
-        if self.entries[id.0 as usize].state != Progress::Done {
-            return false;
-        }
-        let unit = &self.units[id.0 as usize];
-        let flows: Vec<_> = ports.iter().map(|(place, _)| unit.inputs[*place]).collect();
-        let mut exprs = unit.exprs.iter();
-        !exprs.any(|expr| matches!(expr.kind, Kind::Flow(flow) if flows.contains(&flow)))
-    }
+fn calls_of(checker: &Checker<'_>, id: UnitId) -> Vec<UnitId> {
+    let exprs = &checker.units[id.0 as usize].exprs;
+    let calls = exprs.iter().filter_map(|expr| match &expr.kind {
+        Kind::Call(call) => Some(call.unit),
+        _ => None,
+    });
+    calls.collect()
+}
 
-    fn calls_of(&self, id: UnitId) -> Vec<UnitId> {
-        let exprs = &self.units[id.0 as usize].exprs;
-        let calls = exprs.iter().filter_map(|expr| match &expr.kind {
-            Kind::Call(call) => Some(call.unit),
-            _ => None,
-        });
-        calls.collect()
-    }
+/// Whether a declaration belongs to the standard library.
+fn is_in_library(checker: &Checker<'_>, id: DeclId) -> bool {
+    let module = checker.program.module(checker.program.decl(id).module);
+    let modules = (checker.program.library.modules)();
+    modules.contains(&module.name.as_str())
+}
 
-    /// Whether a declaration belongs to the standard library.
-    fn is_of_library(&self, id: DeclId) -> bool {
-        let module = self.program.module(self.program.decl(id).module);
-        let modules = (self.program.library.modules)();
-        modules.contains(&module.name.as_str())
+fn check_unit(checker: &mut Checker<'_>, id: UnitId) {
+    let entry = &mut checker.entries[id.0 as usize];
+    if entry.state != Progress::Queued {
+        return;
     }
-
-    fn check_unit(&mut self, id: UnitId) {
-        let entry = &mut self.entries[id.0 as usize];
-        if entry.state != Progress::Queued {
-            return;
-        }
-        entry.state = Progress::Busy;
-        let header = entry.header.clone();
-        let called = entry.called;
-        let outer = std::mem::replace(&mut self.depth, entry.depth);
-        let mut unit = Unit::new(header.name.clone(), header.kind, header.span);
-        unit.is_lustre = self.is_lustre(header.decl);
-        let mut body = Body::new(self, header.decl, header.statics.clone(), unit);
-        check_decl(&mut body, header.decl);
-        nothing::infer_none_types(&mut body);
-        if called != header.span && header.is_instance() {
-            attribute_to_call(&mut body, &header, called);
-        }
-        let unit = body.leave();
-        self.depth = outer;
-        self.written_out += unit.exprs.len() + unit.flows.len();
-        self.units[id.0 as usize] = unit;
-        self.entries[id.0 as usize].state = Progress::Done;
+    entry.state = Progress::Busy;
+    let header = entry.header.clone();
+    let called = entry.called;
+    let outer = std::mem::replace(&mut checker.depth, entry.depth);
+    let mut unit = Unit::new(header.name.clone(), header.kind, header.span);
+    unit.is_lustre = checker.is_lustre(header.decl);
+    let mut body = Body::new(checker, header.decl, header.statics.clone(), unit);
+    check_decl(&mut body, header.decl);
+    nothing::infer_none_types(&mut body);
+    if called != header.span && header.is_instance() {
+        attribute_to_call(&mut body, &header, called);
     }
+    let unit = body.leave();
+    checker.depth = outer;
+    checker.written_out += unit.exprs.len() + unit.flows.len();
+    checker.units[id.0 as usize] = unit;
+    checker.entries[id.0 as usize].state = Progress::Done;
 }
 
 /// Adds to each error in a generic callable the call for which it is checked.
@@ -238,7 +253,7 @@ fn attribute_to_call(cx: &mut Body<'_, '_>, header: &Header, called: Span) {
         findings.retain(|finding| !is_error(finding));
     }
     let text = format!("in `{}`, called here", header.name);
-    if cx.c.is_of_library(header.decl) {
+    if is_in_library(cx.c, header.decl) {
         // The library has no errors of its own, so the arguments of this call are the cause.
         let first = findings.into_iter().find(is_error);
         cx.findings

@@ -32,7 +32,7 @@ pub(super) fn report_undefined(
     let declaring = declaring.filter(|module| !cx.c.program.is_hidden(module, name));
     let finding = match declaring {
         _ if lacks_use && near.is_none() => None,
-        Some(module) => Some(name_of_unused_module(cx, what, name, module, span)),
+        Some(module) => Some(name_of_unused_module(what, name, module, span)),
         None if what == FLOW || near.is_some() => Some(unknown(what, name, span, near)),
         None => {
             let message = format!("undefined {what} `{name}`");
@@ -47,7 +47,6 @@ pub(super) fn report_undefined(
 /// Returns the diagnostic for a name of a module that is not used. Of several only the first is kept: see
 /// [`once_for_each_fix`].
 fn name_of_unused_module(
-    cx: &Body<'_, '_>,
     what: &str,
     name: &str,
     module: &'static str,

@@ -2,6 +2,7 @@
 //! names (M7.3).
 
 use super::super::report;
+use super::super::unit;
 use super::{Labels, Then};
 use crate::check::body::Body;
 use crate::program::DeclKind;
@@ -137,7 +138,7 @@ fn is_command_step(cx: &Body<'_, '_>, step: usize) -> bool {
 }
 
 fn taken_over_inputs(cx: &mut Body<'_, '_>, unit: UnitId) -> Vec<Taken> {
-    cx.c.check_now(unit);
+    unit::check_unit_now(cx.c, unit);
     let unit = &cx.c.units[unit.0 as usize];
     let flows = unit.inputs.iter().map(|id| (*id, unit.flow(*id)));
     let given = flows.filter(|(_, flow)| flow.role == FlowRole::Given && flow.default.is_none());
@@ -158,7 +159,7 @@ fn source_from(
     run: &Run,
 ) -> Result<Handed, Box<Finding>> {
     let Taken { flow, name, ty, .. } = taken;
-    cx.c.check_now(before);
+    unit::check_unit_now(cx.c, before);
     let unit = &cx.c.units[before.0 as usize];
     debug_assert!(unit.kind == UnitKind::Command);
     let mut exports = unit.block(BlockId::ROOT).exports.iter().enumerate();

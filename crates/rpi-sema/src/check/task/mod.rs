@@ -28,6 +28,7 @@ use super::report;
 use super::report::{Wanted, not_a, unknown};
 use super::statement;
 use super::statics;
+use super::unit;
 use crate::program::{DeclId, DeclKind, Lookup, twice};
 use crate::ty::Ty;
 use crate::typed::{ExprId, TaskStep};
@@ -246,7 +247,7 @@ fn check_run_arguments<'a>(cx: &mut Body<'_, 'a>, id: DeclId, run: &'a Run) {
     }
     let span = run.callee.span;
     if let Ok(Fitted { header, args, .. }) = call::match_call(cx, id, bound.statics, given, span)
-        && let Some(unit) = cx.c.unit(&header, span)
+        && let Some(unit) = unit::instantiate(cx.c, &header, span)
     {
         cx.unit.steps.push(TaskStep {
             span,

@@ -2,6 +2,7 @@
 
 use super::super::report;
 use super::super::task::handing;
+use super::super::unit;
 use super::Labels;
 use crate::check::body::Body;
 use crate::check::names::{ends_of, plain_name};
@@ -51,7 +52,7 @@ fn moved_params(cx: &mut Body<'_, '_>, run: &Run) -> Vec<Name> {
     let Some(unit) = handing::command_of(cx, run) else {
         return Vec::new();
     };
-    cx.c.check_now(unit);
+    unit::check_unit_now(cx.c, unit);
     let unit = &cx.c.units[unit.0 as usize];
     let equations = unit.blocks.iter().flat_map(|block| &block.equations);
     let targets = equations.flat_map(|equation| &equation.targets);
