@@ -5,127 +5,52 @@
 //! after an error: the type of a faulty expression is [`Ty::Unknown`], which is compatible with every type, so that one
 //! error gives one diagnostic.
 //!
-//! | file | idea |
+//! | folder | idea |
 //! |---|---|
-//! | `unit.rs`, `header.rs`, `alias.rs`, `statics.rs`, `instance.rs`, `sizes.rs` | callables, their ports and static arguments |
-//! | `assumptions.rs` | assumptions of contracts, and of the contracts that they import |
-//! | `types.rs`, `device.rs`, `consts.rs` | types and constants |
-//! | `body.rs`, `locals.rs`, `order.rs`, `untold.rs`, `nothing.rs`, `sums.rs`, `statement.rs`, `contract.rs`, `targets.rs`, `spread.rs`, `definitions.rs`, `automaton.rs` | bodies, their flows and equations |
-//! | `blocks.rs`, `elements.rs` | blocks of equations, and arrays that are defined element by element |
-//! | `constraint.rs`, `generic.rs` | constraints of type parameters; generic bodies, checked for all types that satisfy them |
-//! | `sample.rs` | callables with static parameters that are never called, checked with sample arguments |
-//! | `bound.rs`, `quantifier.rs`, `data.rs` | names that expressions bind: quantifiers, conditions of types, alternatives |
-//! | `expr.rs`, `names.rs`, `ops.rs`, `guess.rs`, `apart.rs`, `bracketed.rs`, `access.rs`, `compose.rs`, `update.rs`, `clocked.rs`, `case.rs` | expressions |
-//! | `time.rs`, `infer_times.rs` | exact time |
-//! | `machine.rs` | machine integers of Kind 2 |
-//! | `call.rs`, `callable.rs`, `args.rs`, `applied.rs`, `prim.rs`, `predef.rs`, `special.rs`, `spatial.rs`, `parts.rs`, `iterate.rs`, `condact.rs`, `meant.rs`, `misread.rs` | calls |
-//! | `task.rs` | tasks: steps, branches, results |
-//! | `nesting.rs`, `recursion.rs` | limits on nesting and size, and infinite recursion |
-//! | `dialect.rs` | text that other Lustre compilers read differently |
-//! | `report.rs`, `quantity.rs`, `frames.rs`, `unknown.rs`, `foreign.rs` | shared diagnostics: types, units, frames, names |
-//! | `words.rs` | predeclared names, for editors and documentation |
+//! | `signatures` | callables, their ports and static parameters; instances; generic declarations and their constraints |
+//! | `types` | type expressions, constants, data types, devices, units, frames, subranges, exact time |
+//! | `bodies` | bodies, their flows and equations; type inference; automata; contracts |
+//! | `exprs` | expressions |
+//! | `calls` | calls, arguments, primitives, iterators |
+//! | `task` | tasks: steps, branches, results, handover of values |
+//! | `limits` | limits on nesting and size, and infinite recursion |
+//! | `diagnostics` | diagnostics and wordings that several folders share |
+//!
+//! The functions of these modules take the checker ([`Checker`]: declarations, units, instances) or the body that is
+//! checked ([`bodies::body::Body`]) as their first argument.
 
-mod access;
-mod alias;
-mod apart;
-mod applied;
-mod args;
-mod assumptions;
-mod automaton;
-mod blocks;
-mod body;
-mod bound;
-mod bracketed;
-mod call;
-mod callable;
-mod case;
-mod clocked;
-mod compose;
-mod condact;
-mod constraint;
-mod consts;
-mod contract;
-mod data;
-mod defaults;
-mod definitions;
-mod device;
-mod dialect;
-mod elements;
-mod elsewhere;
-mod expr;
-mod foreign;
-mod frames;
-mod generic;
-mod guess;
-mod header;
-mod imported;
-mod infer_times;
-mod instance;
-mod iterate;
-mod locals;
-mod machine;
-mod matching;
-mod meant;
-mod misread;
-mod names;
-mod nesting;
-mod nothing;
-mod ops;
-mod order;
-mod parts;
-mod phrases;
-mod placed;
-mod predef;
-mod prim;
-mod quantifier;
-mod quantity;
-mod recursion;
-mod reorder;
-mod report;
-mod sample;
-mod sizes;
-mod spatial;
-mod special;
-mod spread;
-mod statement;
-mod statics;
-mod subrange;
-mod sums;
-mod targets;
+mod bodies;
+mod calls;
+mod diagnostics;
+mod exprs;
+mod limits;
+mod signatures;
 mod task;
-mod time;
-mod told;
 mod types;
-mod unit;
-mod unknown;
-mod untold;
-mod update;
-mod valued;
-mod words;
 
+use crate::check::signatures::header::Header;
 use crate::elab::Argument;
 use crate::hash::{Map, Set};
 use crate::program::{DeclId, DeclKind, Program};
 use crate::ty::{Subst, Ty, fit};
 use crate::typed::{Flow, Leaf, Unit, UnitId};
-use header::Header;
 use rpi_diag::{Code, Finding, Severity, Span};
 use std::cell::Cell;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::rc::Rc;
 
-pub(crate) use constraint::constraints;
-pub(crate) use names::predeclared_name;
-pub use names::result_identity;
-pub(crate) use prim::{machine_type, packed, param_default};
-pub(crate) use statics::{params, params_of};
-pub(crate) use subrange::outside;
-pub(crate) use time::outside_type;
-pub use unknown::no_file;
-pub(crate) use unknown::no_module;
+pub(crate) use crate::check::calls::prim::{machine_type, packed, param_default};
+pub use crate::check::diagnostics::undefined_names::no_file;
+pub(crate) use crate::check::diagnostics::undefined_names::no_module;
 #[cfg(test)]
-pub(crate) use words::operator_names;
-pub(crate) use words::{predeclared, spatial_parts};
+pub(crate) use crate::check::exprs::builtins::operator_names;
+pub(crate) use crate::check::exprs::builtins::{predeclared, spatial_parts};
+pub(crate) use crate::check::exprs::names::predeclared_name;
+pub use crate::check::exprs::names::result_identity;
+pub(crate) use crate::check::signatures::constraint::constraints;
+pub(crate) use crate::check::signatures::static_args::{params, params_of};
+pub(crate) use crate::check::types::exact_time::outside_type;
+pub(crate) use crate::check::types::subrange::outside;
 
 /// A checked program.
 #[derive(Debug)]
@@ -178,22 +103,26 @@ impl Checked {
 pub fn check(program: &Program<'_>) -> Checked {
     let mut checker = Checker::new(program);
     let mut runnable = Vec::new();
-    generic::check_generics(&mut checker);
+    crate::check::signatures::generic::check_generics(&mut checker);
     for id in &program.root().decls {
         runnable.extend(checker.declaration(*id).map(|unit| (*id, unit)));
     }
-    placed::check_frame_placement(&mut checker);
-    unit::check_queued(&mut checker);
-    sample::check_samples(&mut checker);
+    crate::check::types::frame_placement::check_frame_placement(&mut checker);
+    crate::check::signatures::unit::check_queued(&mut checker);
+    crate::check::signatures::sample_check::check_samples(&mut checker);
     checker.findings.extend(program.clashes());
-    checker.findings.extend(recursion::check(&checker.units));
-    checker.findings.extend(dialect::check(&checker.units));
-    unknown::once_for_each_fix(&mut checker.findings);
-    unknown::once_for_each_name(&mut checker.findings);
+    checker
+        .findings
+        .extend(crate::check::limits::recursion::check(&checker.units));
+    checker
+        .findings
+        .extend(crate::check::diagnostics::dialect::check(&checker.units));
+    crate::check::diagnostics::undefined_names::once_for_each_fix(&mut checker.findings);
+    crate::check::diagnostics::undefined_names::once_for_each_name(&mut checker.findings);
     if !checker.outside.is_empty() {
         checker
             .findings
-            .retain(|finding| !sample::may_be_its_fault(finding));
+            .retain(|finding| !crate::check::signatures::sample_check::may_be_its_fault(finding));
     }
     only_what_is_wrong(&mut checker.findings);
     let root = program
@@ -248,7 +177,7 @@ struct Checker<'a> {
     /// Units by index; empty until they are checked.
     units: Vec<Unit>,
     /// Header and progress of each unit, by index.
-    entries: Vec<unit::Entry>,
+    entries: Vec<crate::check::signatures::unit::Entry>,
     /// Whether the diagnostic about too many instances or too many expressions has been reported.
     too_many_units: bool,
     /// Errors already reported in instances, by generic declaration, code and location.
@@ -307,7 +236,7 @@ impl<'a> Checker<'a> {
             told_of_instances: BTreeSet::new(),
             faulty_generics: Set::default(),
             written_out: 0,
-            most: nesting::most(program),
+            most: crate::check::limits::nesting::most(program),
             depth: 0,
             unit_ids: Map::default(),
             called: Set::default(),
@@ -329,7 +258,7 @@ impl<'a> Checker<'a> {
         }
     }
 
-    pub(super) fn is_lustre(&self, id: DeclId) -> bool {
+    pub(crate) fn is_lustre(&self, id: DeclId) -> bool {
         self.program.decl(id).mode == rpi_syntax::Mode::Lustre
     }
 
@@ -344,9 +273,11 @@ impl<'a> Checker<'a> {
     /// arguments.
     fn declaration(&mut self, id: DeclId) -> Option<UnitId> {
         match self.program.decl(id).kind {
-            DeclKind::Const(_) if self.is_lustre(id) => consts::check_lustre_constant(self, id),
+            DeclKind::Const(_) if self.is_lustre(id) => {
+                crate::check::types::consts::check_lustre_constant(self, id)
+            }
             DeclKind::Const(_) | DeclKind::Frame(_) => {
-                consts::check_constant(self, id);
+                crate::check::types::consts::check_constant(self, id);
             }
             DeclKind::Type(_) | DeclKind::Device(_) => {
                 types::check_type(self, id);
@@ -356,7 +287,7 @@ impl<'a> Checker<'a> {
             | DeclKind::Primitive(_)
             | DeclKind::Command(_)
             | DeclKind::Task(_)
-            | DeclKind::Test(_) => return unit::root_unit(self, id),
+            | DeclKind::Test(_) => return crate::check::signatures::unit::root_unit(self, id),
             DeclKind::EnumValue { .. } | DeclKind::Constructor { .. } | DeclKind::Broken(_) => {}
         }
         None

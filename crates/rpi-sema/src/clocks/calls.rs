@@ -1,14 +1,14 @@
 //! Clocks of a callee's ports, translated into the caller's terms: relative to the clock of the call, with the caller's
 //! names for the deciding flows.
 
-use super::clock::{Clock, Decider, Tick};
-use super::row::Row;
-use super::solve::Solver;
+use crate::clocks::clock::{Clock, Decider, Tick};
+use crate::clocks::row::Row;
+use crate::clocks::solve::Solver;
 use crate::typed::{Activation, BlockId, Call, ExprId, FlowId, Unit, UnitKind};
 
 impl<'u> Solver<'u> {
     /// Returns the clocks of a call's results and records the clock of the call itself.
-    pub(super) fn call(&mut self, id: ExprId, call: &'u Call) -> Row<Clock> {
+    pub(in crate::clocks) fn call(&mut self, id: ExprId, call: &'u Call) -> Row<Clock> {
         let units = self.units;
         let callee = &units[call.unit.0 as usize];
         let mut base = self.base(call, callee);
@@ -61,7 +61,13 @@ impl<'u> Solver<'u> {
     }
 
     /// Translates a clock of the callee, given as a path of samplings, into a clock of the caller.
-    pub(super) fn through(&mut self, id: ExprId, call: &Call, path: &[Tick], base: Clock) -> Clock {
+    pub(in crate::clocks) fn through(
+        &mut self,
+        id: ExprId,
+        call: &Call,
+        path: &[Tick],
+        base: Clock,
+    ) -> Clock {
         let Some(tick) = path.last() else {
             return base;
         };
@@ -87,7 +93,7 @@ impl<'u> Solver<'u> {
     }
 
     /// Returns the samplings of leaf `k` of a callee's port, in the callee's terms, from its base clock on.
-    pub(super) fn port_path(
+    pub(in crate::clocks) fn port_path(
         &self,
         call: &Call,
         callee: &Unit,
@@ -116,7 +122,7 @@ impl<'u> Solver<'u> {
     }
 
     /// Returns the flows that decide about the clocks of the outputs, each with its own clock.
-    pub(super) fn exposed(&self) -> Vec<(Decider, Clock)> {
+    pub(in crate::clocks) fn exposed(&self) -> Vec<(Decider, Clock)> {
         let mut exposed: Vec<(Decider, Clock)> = Vec::new();
         let rows = self
             .unit

@@ -1,9 +1,9 @@
 //! Checks for clock mismatches. The message names both the clock found and the clock expected.
 
-use super::clock::Clock;
-use super::covered::Covered;
-use super::row::Row;
-use super::solve::Solver;
+use crate::clocks::clock::Clock;
+use crate::clocks::covered::Covered;
+use crate::clocks::row::Row;
+use crate::clocks::solve::Solver;
 use crate::facts::Definition;
 use crate::typed::{Call, Each, Equation, ExprId, FlowId, Kind, Optional, Place};
 use rpi_diag::{Code, Finding, Fix, Span};
@@ -15,7 +15,7 @@ const SAMPLE_OR_HOLD: &str =
     "sample the faster flow (`x when c`), or hold the slower one (`current x`)";
 
 /// Checks the clocks of a unit and returns the errors.
-pub(super) fn check(solver: &mut Solver<'_>) -> Vec<Finding> {
+pub(in crate::clocks) fn check(solver: &mut Solver<'_>) -> Vec<Finding> {
     let faulty = vec![false; solver.unit.exprs.len()];
     let mut check = Check {
         solver,
@@ -39,8 +39,8 @@ pub(super) fn check(solver: &mut Solver<'_>) -> Vec<Finding> {
     check.findings
 }
 
-pub(super) struct Check<'s, 'u> {
-    pub(super) solver: &'s mut Solver<'u>,
+pub(in crate::clocks) struct Check<'s, 'u> {
+    pub(in crate::clocks) solver: &'s mut Solver<'u>,
     /// For each expression, whether it or one of its operands has been reported. Its readers are then not checked.
     faulty: Vec<bool>,
     findings: Vec<Finding>,
@@ -273,18 +273,18 @@ impl<'u> Check<'_, 'u> {
         }
     }
 
-    pub(super) fn words(&self, clock: Clock) -> String {
+    pub(in crate::clocks) fn words(&self, clock: Clock) -> String {
         let mut chain = self.solver.chain(clock).unwrap_or_default();
         chain.reverse();
         let ticks = chain
             .iter()
             .filter_map(|clock| self.solver.ticks.tick(*clock));
-        let path: Vec<super::Tick> = ticks.collect();
+        let path: Vec<crate::clocks::Tick> = ticks.collect();
         match path.is_empty() {
             true => "in all cycles".to_owned(),
             false => {
                 let solver = &self.solver;
-                let text = super::print(solver.units, solver.facts, solver.unit, &path);
+                let text = crate::clocks::print(solver.units, solver.facts, solver.unit, &path);
                 format!("`{text}`")
             }
         }
@@ -298,7 +298,7 @@ impl<'u> Check<'_, 'u> {
     }
 
     /// Adds a diagnostic at a place that has no clock diagnostic yet.
-    pub(super) fn add(&mut self, finding: Finding) {
+    pub(in crate::clocks) fn add(&mut self, finding: Finding) {
         if self.reported.insert(finding.span()) {
             self.findings.push(finding);
         }

@@ -1,12 +1,12 @@
 //! Canonical names of deciding flows. A flow that only copies another flow, or a part of one, is named after that flow.
 
-use super::clock::Decider;
-use super::solve::Solver;
+use crate::clocks::clock::Decider;
+use crate::clocks::solve::Solver;
 use crate::typed::{Activation, ExprId, FlowId, Kind, Place, Unit};
 
 impl Solver<'_> {
     /// Returns the canonical decider for a flow.
-    pub(super) fn name(&mut self, flow: FlowId) -> Decider {
+    pub(in crate::clocks) fn name(&mut self, flow: FlowId) -> Decider {
         if let Some(known) = self.named.get(&flow) {
             return *known;
         }
@@ -16,7 +16,7 @@ impl Solver<'_> {
     }
 
     /// Returns the decider that leaf `k` of an expression stands for; none if the expression computes a new value.
-    pub(super) fn decider(&mut self, id: ExprId, k: usize) -> Option<Decider> {
+    pub(in crate::clocks) fn decider(&mut self, id: ExprId, k: usize) -> Option<Decider> {
         match self.passed_on(id, k)? {
             Passed::Leaf(flow, 0) if is_scalar(self.unit, flow) => Some(self.name(flow)),
             Passed::Leaf(flow, k) => self.source(flow, k),
@@ -104,7 +104,7 @@ impl Solver<'_> {
 
     /// Returns whether a call without a clock runs in all cycles: its callee has state, and the last round of inference
     /// has begun.
-    pub(super) fn runs_always(&self, callee: &Unit) -> bool {
+    pub(in crate::clocks) fn runs_always(&self, callee: &Unit) -> bool {
         self.is_last_look() && !self.unit.is_lustre && callee.has_state
     }
 }

@@ -1,14 +1,14 @@
 //! Reports an initialisation whose two operands have different clocks. The compiler does not guess which clock was
 //! meant.
 
-use super::check::Check;
-use super::clock::Clock;
+use crate::clocks::check::Check;
+use crate::clocks::clock::Clock;
 use crate::typed::{ExprId, Kind};
 use rpi_diag::{Code, Finding, Fix};
 
 impl Check<'_, '_> {
     /// Returns whether both operands of an initialisation have the same clock, leaf by leaf. Reports a mismatch.
-    pub(super) fn mixes_none(&mut self, id: ExprId, sides: [ExprId; 2]) -> bool {
+    pub(in crate::clocks) fn mixes_none(&mut self, id: ExprId, sides: [ExprId; 2]) -> bool {
         let unit = self.solver.unit;
         let count = unit.expr(id).ty.leaf_count();
         let clocks = |k: usize| sides.map(|side| self.solver.leaf(side, k));
@@ -39,11 +39,11 @@ impl Check<'_, '_> {
             false if self.solver.parent(clocks[1]) == Some(clocks[0]) => (clocks[1], sides[0]),
             false => return None,
         };
-        let super::Decider::Flow(_) = self.solver.ticks.tick(slow)?.by else {
+        let crate::clocks::Decider::Flow(_) = self.solver.ticks.tick(slow)?.by else {
             return None;
         };
         let tick = self.solver.ticks.tick(slow)?;
-        let text = super::print(self.solver.units, self.solver.facts, unit, &[tick]);
+        let text = crate::clocks::print(self.solver.units, self.solver.facts, unit, &[tick]);
         // In `a fby b` the operand of the delay is sampled, not the delay, whose span may be that of both operands.
         let inner = match &unit.expr(fast).kind {
             Kind::Each(crate::typed::Each::Pre, operands) => operands[0],

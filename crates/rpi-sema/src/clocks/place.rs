@@ -1,14 +1,14 @@
 //! Constants take the clock of their readers. In Lustre, so do initialisations of constants.
 
-use super::clock::{Clock, Tick};
-use super::row::Row;
-use super::solve::Solver;
+use crate::clocks::clock::{Clock, Tick};
+use crate::clocks::row::Row;
+use crate::clocks::solve::Solver;
 use crate::facts::Definition;
 use crate::typed::{Call, Each, ExprId, Kind, Place};
 
 impl<'u> Solver<'u> {
     /// Gives every expression without a clock the clock of its readers.
-    pub(super) fn place(&mut self) {
+    pub(in crate::clocks) fn place(&mut self) {
         let mut open = Open(vec![false; self.unit.exprs.len()]);
         for (k, row) in self.exprs.iter().enumerate() {
             open.0[k] = row.iter().any(|clock| clock == Clock::ANY);
@@ -174,7 +174,7 @@ impl<'u> Placing<'_, 'u> {
 
 impl Solver<'_> {
     /// Returns the clock of a case of a `merge`.
-    pub(super) fn case(&mut self, on: ExprId, value: u32) -> Option<Clock> {
+    pub(in crate::clocks) fn case(&mut self, on: ExprId, value: u32) -> Option<Clock> {
         let by = self.decider(on, 0)?;
         Some(self.ticks.clock(Tick { by, value }))
     }

@@ -1,8 +1,8 @@
 //! Greatest solution of the clock equations. Every clock starts as [`Clock::ANY`] and descends to what the operands
 //! allow. A clock only ever becomes faster, so the result does not depend on the order of evaluation.
 
-use super::clock::{Clock, Decider, Tick, Ticks};
-use super::{Borders, ClockId, Clocks, Row};
+use crate::clocks::clock::{Clock, Decider, Tick, Ticks};
+use crate::clocks::{Borders, ClockId, Clocks, Row};
 use crate::facts::{Definition, Facts, Reads};
 use crate::hash::Map;
 use crate::typed::{Each, Equation, ExprId, FlowId, FlowRole, Kind, Optional, Place, Unit};
@@ -10,28 +10,28 @@ use rpi_diag::Finding;
 use rpi_image::State;
 
 /// State of the clock inference for one unit.
-pub(super) struct Solver<'u> {
-    pub(super) units: &'u [Unit],
-    pub(super) facts: &'u [Facts],
-    pub(super) unit: &'u Unit,
-    pub(super) borders: Borders<'u>,
-    pub(super) reads: Reads<'u>,
-    pub(super) ticks: Ticks,
-    pub(super) exprs: Vec<Row<Clock>>,
-    pub(super) flows: Vec<Row<Clock>>,
+pub(in crate::clocks) struct Solver<'u> {
+    pub(in crate::clocks) units: &'u [Unit],
+    pub(in crate::clocks) facts: &'u [Facts],
+    pub(in crate::clocks) unit: &'u Unit,
+    pub(in crate::clocks) borders: Borders<'u>,
+    pub(in crate::clocks) reads: Reads<'u>,
+    pub(in crate::clocks) ticks: Ticks,
+    pub(in crate::clocks) exprs: Vec<Row<Clock>>,
+    pub(in crate::clocks) flows: Vec<Row<Clock>>,
     /// For each flow, whether its clock is inferred from its equation. False for ports and for flows with a declared
     /// clock or presence.
-    pub(super) inferred: Vec<bool>,
+    pub(in crate::clocks) inferred: Vec<bool>,
     /// For each call, the clock on which it runs.
-    pub(super) calls: Map<ExprId, Clock>,
+    pub(in crate::clocks) calls: Map<ExprId, Clock>,
     /// Clock of each exposed decider inside a call.
-    pub(super) inside: Map<(ExprId, u32), Clock>,
+    pub(in crate::clocks) inside: Map<(ExprId, u32), Clock>,
     /// Canonical decider of each deciding flow, cached.
-    pub(super) named: Map<FlowId, Decider>,
+    pub(in crate::clocks) named: Map<FlowId, Decider>,
     /// For each flow, the definitions that define leaves of it.
-    pub(super) defined: Vec<Vec<u32>>,
+    pub(in crate::clocks) defined: Vec<Vec<u32>>,
     /// For each expression, whether it reads a flow of a block that may be inactive.
-    pub(super) outside: Vec<bool>,
+    pub(in crate::clocks) outside: Vec<bool>,
     /// Whether the last round has begun, in which every clock that is still [`Clock::ANY`] belongs to a constant.
     constants: bool,
     /// Whether the clock of a decider has changed. Meets of clocks sampled by it are then out of date.
@@ -40,7 +40,11 @@ pub(super) struct Solver<'u> {
 }
 
 /// Infers the clocks of a unit and reports mismatches.
-pub(super) fn solve(units: &[Unit], facts: &[Facts], unit: &Unit) -> (Clocks, Vec<Finding>) {
+pub(in crate::clocks) fn solve(
+    units: &[Unit],
+    facts: &[Facts],
+    unit: &Unit,
+) -> (Clocks, Vec<Finding>) {
     let mut solver = Solver::new(units, facts, unit);
     solver.declared();
     solver.settle();
@@ -48,7 +52,7 @@ pub(super) fn solve(units: &[Unit], facts: &[Facts], unit: &Unit) -> (Clocks, Ve
     solver.deciders();
     solver.settle();
     solver.place();
-    let findings = super::check::check(&mut solver);
+    let findings = crate::clocks::check::check(&mut solver);
     (solver.clocks(), findings)
 }
 
@@ -146,7 +150,7 @@ impl<'u> Solver<'u> {
 
     /// Returns whether the last round has begun, in which every clock that is still [`Clock::ANY`] belongs to a
     /// constant.
-    pub(super) fn is_last_look(&self) -> bool {
+    pub(in crate::clocks) fn is_last_look(&self) -> bool {
         self.constants
     }
 
@@ -229,12 +233,12 @@ impl<'u> Solver<'u> {
         self.unit.expr(id).ty.leaf_count()
     }
 
-    pub(super) fn leaf(&self, id: ExprId, k: usize) -> Clock {
+    pub(in crate::clocks) fn leaf(&self, id: ExprId, k: usize) -> Clock {
         self.exprs[id.0 as usize].leaf(k)
     }
 
     /// Returns the common clock of all leaves of an expression.
-    pub(super) fn whole(&self, id: ExprId) -> Clock {
+    pub(in crate::clocks) fn whole(&self, id: ExprId) -> Clock {
         let leaves = self.exprs[id.0 as usize].iter();
         leaves.fold(Clock::ANY, |all, leaf| self.meet(all, leaf))
     }
@@ -289,7 +293,7 @@ impl<'u> Solver<'u> {
 
     /// Returns the common clock of the operands of a strict operator. In Lustre the first known clock is taken; the
     /// check compares the others with it.
-    pub(super) fn strict(&self, operands: &[ExprId]) -> Clock {
+    pub(in crate::clocks) fn strict(&self, operands: &[ExprId]) -> Clock {
         self.first_or_meet(operands.iter().map(|id| self.whole(*id)))
     }
 
@@ -402,7 +406,7 @@ impl<'u> Solver<'u> {
 
     /// Returns the clock from which a clock is sampled: the clock of its decider. None for the base clock and for
     /// [`Clock::ANY`].
-    pub(super) fn parent(&self, clock: Clock) -> Option<Clock> {
+    pub(in crate::clocks) fn parent(&self, clock: Clock) -> Option<Clock> {
         match self.ticks.tick(clock)?.by {
             Decider::Flow(flow) => Some(self.flows[flow.0 as usize].leaf(0)),
             Decider::Inside(call, number) => {
@@ -413,7 +417,7 @@ impl<'u> Solver<'u> {
 
     /// Returns a clock and its ancestors, the clock itself (the slowest) first. None if the clock is sampled from
     /// itself.
-    pub(super) fn chain(&self, clock: Clock) -> Option<Vec<Clock>> {
+    pub(in crate::clocks) fn chain(&self, clock: Clock) -> Option<Vec<Clock>> {
         let mut chain = vec![clock];
         let mut at = clock;
         while let Some(parent) = self.parent(at) {
@@ -427,7 +431,7 @@ impl<'u> Solver<'u> {
     }
 
     /// Returns the slowest clock from which both clocks are sampled, as far as is known in this round.
-    pub(super) fn meet(&self, a: Clock, b: Clock) -> Clock {
+    pub(in crate::clocks) fn meet(&self, a: Clock, b: Clock) -> Clock {
         if a == b || b == Clock::ANY {
             return a;
         }
@@ -452,13 +456,13 @@ impl<'u> Solver<'u> {
     }
 
     /// Records the clock of an exposed decider inside a call.
-    pub(super) fn move_inside(&mut self, call: ExprId, number: u32, clock: Clock) {
+    pub(in crate::clocks) fn move_inside(&mut self, call: ExprId, number: u32, clock: Clock) {
         let known = self.inside.insert((call, number), clock);
         self.moved |= known.is_some_and(|known| known != clock);
     }
 
     /// Returns the equation of a definition; none for a flow shared by states.
-    pub(super) fn equation(&self, definition: u32) -> Option<&'u Equation> {
+    pub(in crate::clocks) fn equation(&self, definition: u32) -> Option<&'u Equation> {
         match self.reads.definitions[definition as usize] {
             Definition::Equation(_, equation) => Some(equation),
             Definition::Shared(_) => None,

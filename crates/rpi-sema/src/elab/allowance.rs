@@ -4,7 +4,7 @@
 //! Counted are expanded calls, nodes with their names, and leaves of values. The text of each unit raises the limit
 //! once per net, however often the unit is called.
 
-use super::{Elab, NotConstant};
+use crate::elab::{Elab, NotConstant};
 use crate::hash::Set;
 use crate::typed::{Unit, UnitId};
 use rpi_diag::{Code, Finding, Span};
@@ -22,15 +22,15 @@ const LEAVES: usize = 8;
 const LETTERS: usize = 256;
 
 /// Remaining budget of a net or constant.
-pub(super) struct Allowance {
+pub(in crate::elab) struct Allowance {
     left: usize,
     /// Units whose text has been counted.
     paid: Set<UnitId>,
-    pub(super) is_used_up: bool,
+    pub(in crate::elab) is_used_up: bool,
 }
 
 impl Allowance {
-    pub(super) fn new() -> Allowance {
+    pub(in crate::elab) fn new() -> Allowance {
         Allowance {
             left: FREE,
             paid: Set::default(),
@@ -47,24 +47,24 @@ impl Allowance {
 
 impl Elab<'_> {
     /// Adds the text of a unit to the budget, the first time the unit is expanded.
-    pub(super) fn pay_for(&mut self, id: UnitId) {
+    pub(in crate::elab) fn pay_for(&mut self, id: UnitId) {
         if self.allowance.paid.insert(id) {
             self.allowance.left += PER_BYTE * length(&self.units[id.0 as usize]);
         }
     }
 
     /// Returns whether one more call can be expanded. Reports the first excess.
-    pub(super) fn may_call(&mut self, span: Span) -> bool {
+    pub(in crate::elab) fn may_call(&mut self, span: Span) -> bool {
         self.may_spend(1, span)
     }
 
     /// Returns whether one more node of this name can be added. Reports the first excess.
-    pub(super) fn may_add(&mut self, name: &str, span: Span) -> bool {
+    pub(in crate::elab) fn may_add(&mut self, name: &str, span: Span) -> bool {
         self.may_spend(1 + name.len() / LETTERS, span)
     }
 
     /// Returns whether a value with this many leaves can be built. Reports the first excess.
-    pub(super) fn may_hold(&mut self, leaves: usize, span: Span) -> bool {
+    pub(in crate::elab) fn may_hold(&mut self, leaves: usize, span: Span) -> bool {
         self.may_spend(leaves / LEAVES, span)
     }
 
@@ -79,7 +79,7 @@ impl Elab<'_> {
 
     fn too_much(&mut self, span: Span) {
         let message = "program is too large after all calls are expanded";
-        if self.mode == super::Mode::Constant {
+        if self.mode == crate::elab::Mode::Constant {
             self.fail(NotConstant::Fault(span, message.to_owned()));
             return;
         }

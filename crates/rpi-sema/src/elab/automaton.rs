@@ -1,11 +1,11 @@
 //! Elaborates state machines: an integer register for the state, one fragment per state, and transitions as
 //! conditionals.
 
-use super::expr::leaf_scalars;
-use super::families::Family;
-use super::scope::Scope;
-use super::signal::{Signal, Wire};
-use super::{At, Elab, Mode};
+use crate::elab::expr::leaf_scalars;
+use crate::elab::families::Family;
+use crate::elab::scope::Scope;
+use crate::elab::signal::{Signal, Wire};
+use crate::elab::{At, Elab, Mode};
 use crate::typed::{Automaton, FlowId, Shared, Transition};
 use rpi_diag::Span;
 use rpi_image::{Scalar, Value};
@@ -29,7 +29,12 @@ struct Choice<'u, 's> {
 
 impl<'u> Elab<'u> {
     /// Elaborates an automaton in the fragment at `at`.
-    pub(super) fn automaton(&mut self, scope: &mut Scope<'u>, automaton: &'u Automaton, at: At) {
+    pub(in crate::elab) fn automaton(
+        &mut self,
+        scope: &mut Scope<'u>,
+        automaton: &'u Automaton,
+        at: At,
+    ) {
         self.begin(&format!("{}state", scope.prefix));
         let span = automaton.span;
         let (memory, next) = self.memory(automaton, at, span);
@@ -282,7 +287,7 @@ impl<'u> Elab<'u> {
             });
             merged = Some(both.collect());
         }
-        merged.unwrap_or_else(super::signal::nothing)
+        merged.unwrap_or_else(crate::elab::signal::nothing)
     }
 
     /// Returns the contribution of the active state if it defines the flow (it may still be absent), else the default.

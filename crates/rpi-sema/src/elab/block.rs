@@ -1,9 +1,9 @@
 //! Elaborates bodies: equations, claims, automata and blocks in place.
 
-use super::expr::leaf_scalars;
-use super::scope::Scope;
-use super::signal::{Signal, Wire, alias_of};
-use super::{At, Claims, Elab, Mode};
+use crate::elab::expr::leaf_scalars;
+use crate::elab::scope::Scope;
+use crate::elab::signal::{Signal, Wire, alias_of};
+use crate::elab::{At, Claims, Elab, Mode};
 use crate::ty::Ty;
 use crate::typed::{BlockId, Equation, Expr, Place, Target, Unit};
 use rpi_net::{self as net, PortRef, Restart};
@@ -18,7 +18,7 @@ fn stays(unit: &Unit, equation: &Equation) -> bool {
 
 impl<'u> Elab<'u> {
     /// Elaborates all blocks of a unit. A block comes after its parent.
-    pub(super) fn body(&mut self, scope: &mut Scope<'u>, at: At) {
+    pub(in crate::elab) fn body(&mut self, scope: &mut Scope<'u>, at: At) {
         scope.fragments[0] = Some(at.fragment);
         for block in (0..scope.unit.blocks.len())
             .filter_map(|k| u32::try_from(k).ok())
@@ -99,7 +99,7 @@ impl<'u> Elab<'u> {
     }
 
     /// Sets the flow after which the following nodes are named.
-    pub(super) fn begin(&mut self, name: &str) {
+    pub(in crate::elab) fn begin(&mut self, name: &str) {
         name.clone_into(&mut self.name);
         self.serial = 0;
         self.top = None;
@@ -126,7 +126,7 @@ impl<'u> Elab<'u> {
         for target in &equation.targets {
             let count = target.ty.leaf_count();
             if let Place::Port { device, port } = target.place {
-                let part = super::expr::part(&wire, first, count);
+                let part = crate::elab::expr::part(&wire, first, count);
                 self.write(scope, device, port, target, &part, at);
             }
             first += count;
@@ -167,7 +167,7 @@ impl<'u> Elab<'u> {
     }
 
     /// Names the nodes with index `before` or greater that compute the leaves of a wire after these leaves.
-    pub(super) fn name_leaves(&mut self, path: &str, ty: &Ty, wire: &Wire, before: usize) {
+    pub(in crate::elab) fn name_leaves(&mut self, path: &str, ty: &Ty, wire: &Wire, before: usize) {
         let mut leaves = wire.iter();
         ty.leaves(&mut |suffix, _| {
             if let Some(Signal::Port(port)) = leaves.next() {

@@ -1,10 +1,10 @@
 //! Elaborates calls by inlining the callee at the place of the call.
 
-use super::expr::leaf_scalars;
-use super::families::Family;
-use super::scope::{Scope, State};
-use super::signal::{Signal, Wire};
-use super::{At, Elab, MAX_DEPTH, Mode, NotConstant};
+use crate::elab::expr::leaf_scalars;
+use crate::elab::families::Family;
+use crate::elab::scope::{Scope, State};
+use crate::elab::signal::{Signal, Wire};
+use crate::elab::{At, Elab, MAX_DEPTH, Mode, NotConstant};
 use crate::typed::{Activation, BlockId, Call, ExprId, Unit, UnitId, UnitKind};
 use rpi_diag::{Code, Finding, Span};
 use rpi_image::{Scalar, Value};
@@ -22,14 +22,14 @@ struct Run {
 }
 
 /// Argument of a call: its wire and its span.
-pub(super) struct Arg {
+pub(in crate::elab) struct Arg {
     wire: Wire,
     span: Span,
 }
 
 impl<'u> Elab<'u> {
     /// Elaborates a call expression according to its activation.
-    pub(super) fn call(
+    pub(in crate::elab) fn call(
         &mut self,
         scope: &mut Scope<'u>,
         call: &'u Call,
@@ -44,7 +44,7 @@ impl<'u> Elab<'u> {
             Activation::Restart { every } => {
                 let every = self.operand(scope, [id, *every], at.unguarded());
                 let Some(every) = self.port_of(&every, Scalar::Bool, at, span) else {
-                    return super::signal::nothing();
+                    return crate::elab::signal::nothing();
                 };
                 let activation = net::Activation::Always;
                 let inner =
@@ -164,7 +164,12 @@ impl<'u> Elab<'u> {
     }
 
     /// Returns the activation by a condition; `Always` for the constant `true`.
-    pub(super) fn when(&mut self, condition: &Signal, at: At, span: Span) -> net::Activation {
+    pub(in crate::elab) fn when(
+        &mut self,
+        condition: &Signal,
+        at: At,
+        span: Span,
+    ) -> net::Activation {
         if *condition == Signal::Const(Value::bool(true)) {
             return net::Activation::Always;
         }
@@ -178,7 +183,7 @@ impl<'u> Elab<'u> {
     }
 
     /// Adds a fragment to the net.
-    pub(super) fn fragment(
+    pub(in crate::elab) fn fragment(
         &mut self,
         path: &str,
         parent: FragmentId,
@@ -248,7 +253,7 @@ impl<'u> Elab<'u> {
     }
 
     /// Inlines a unit with its inputs connected and returns its outputs.
-    pub(super) fn inlined(
+    pub(in crate::elab) fn inlined(
         &mut self,
         id: UnitId,
         args: &[Option<Arg>],
@@ -262,7 +267,7 @@ impl<'u> Elab<'u> {
         }
         self.pay_for(id);
         if !self.may_call(span) {
-            return super::signal::nothing();
+            return crate::elab::signal::nothing();
         }
         self.calling.push(id);
         let outer = (std::mem::take(&mut self.name), self.serial, self.top);
@@ -371,7 +376,7 @@ impl<'u> Elab<'u> {
     }
 
     /// Connects a unit's inputs to the arguments of the caller, or to their defaults.
-    pub(super) fn connect(&mut self, scope: &mut Scope<'u>, args: &[Option<Arg>], at: At) {
+    pub(in crate::elab) fn connect(&mut self, scope: &mut Scope<'u>, args: &[Option<Arg>], at: At) {
         let unit = scope.unit;
         for (flow, arg) in unit.inputs.iter().zip(args) {
             let wire = match (arg, unit.flow(*flow).default) {
@@ -398,7 +403,7 @@ impl<'u> Elab<'u> {
     }
 
     /// Reports an error that prevents the net or constant. Only the first one is kept.
-    pub(super) fn refuse(&mut self, finding: Finding, span: Span) -> Wire {
+    pub(in crate::elab) fn refuse(&mut self, finding: Finding, span: Span) -> Wire {
         if self.mode == Mode::Constant {
             return self.fail(NotConstant::Fault(span, finding.message));
         }
@@ -409,8 +414,8 @@ impl<'u> Elab<'u> {
     }
 
     /// Binds an alias to its signal, unless it is bound already.
-    pub(super) fn bind_alias(&mut self, port: PortRef, signal: &Signal) {
-        if let Some(alias) = super::signal::alias_of(port) {
+    pub(in crate::elab) fn bind_alias(&mut self, port: PortRef, signal: &Signal) {
+        if let Some(alias) = crate::elab::signal::alias_of(port) {
             self.aliases[alias].get_or_insert_with(|| signal.clone());
         }
     }

@@ -3,9 +3,9 @@
 //! A claim is left out, or ends the command if it fails, or is exported together with the flows that it reads, so that
 //! the host sees which claim fails and with which values.
 
-use super::scope::Scope;
-use super::signal::{Signal, nothing};
-use super::{At, Elab, Mode};
+use crate::elab::scope::Scope;
+use crate::elab::signal::{Signal, nothing};
+use crate::elab::{At, Elab, Mode};
 use crate::ty::Ty;
 use crate::typed::{BlockId, Claim, ClaimKind, Each, ExprId, FlowId, Kind, Unit, UnitKind};
 use rpi_diag::{Code, Finding, Span};
@@ -41,7 +41,7 @@ impl Claims {
 
 impl<'u> Elab<'u> {
     /// Elaborates a claim of a body or contract.
-    pub(super) fn claim(
+    pub(in crate::elab) fn claim(
         &mut self,
         scope: &mut Scope<'u>,
         block: BlockId,
@@ -114,7 +114,7 @@ impl<'u> Elab<'u> {
 
     /// Returns an error for a claim that is false in every cycle, by itself or because of the arguments of this call.
     fn never_holds(&self, scope: &Scope<'_>, claim: &Claim) -> Option<Finding> {
-        let of_its_own = || super::constant(self.units, scope.unit, claim.condition).is_ok();
+        let of_its_own = || crate::elab::constant(self.units, scope.unit, claim.condition).is_ok();
         match (scope.called.filter(|_| !of_its_own()), claim.kind) {
             (None, _) => Some(never(claim)),
             (Some(call), ClaimKind::Assume) => Some(broken_by(call, claim, &scope.unit.name)),

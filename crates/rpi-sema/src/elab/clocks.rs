@@ -1,11 +1,11 @@
 //! Elaborates sampled flows: an expression on clock c is computed in a fragment that is active when c (M4). This
 //! fragment is not in the source, so dependencies are those of the single operations in it (M5).
 
-use super::families::Family;
-use super::scope::Scope;
-use super::signal::{Signal, Wire};
-use super::{At, Elab, Mode};
 use crate::clocks::{ClockId, Decider, Row, Tick};
+use crate::elab::families::Family;
+use crate::elab::scope::Scope;
+use crate::elab::signal::{Signal, Wire};
+use crate::elab::{At, Elab, Mode};
 use crate::facts::Facts;
 use crate::typed::{Equation, ExprId, FlowId, Kind, Place, UnitId};
 use rpi_diag::Span;
@@ -14,24 +14,24 @@ use rpi_net::prim;
 use rpi_net::{FragmentId, PortRef, Restart};
 
 /// Key of a clock's fragment: the parent fragment, the decider and its value.
-pub(super) type ClockKey = (FragmentId, Deciding, u32);
+pub(in crate::elab) type ClockKey = (FragmentId, Deciding, u32);
 
 /// Signal that decides whether a clock ticks.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub(super) enum Deciding {
+pub(in crate::elab) enum Deciding {
     Flow(PortRef),
     /// Constant decider: a Boolean as 0 or 1, or the index of an enum's value.
     Constant(i64),
 }
 
 /// Positions where the leaves of an expression are computed.
-pub(super) enum LeafPlaces {
+pub(in crate::elab) enum LeafPlaces {
     All(At),
     Each(Vec<At>),
 }
 
 impl LeafPlaces {
-    pub(super) fn at(&self, k: usize) -> At {
+    pub(in crate::elab) fn at(&self, k: usize) -> At {
         match self {
             LeafPlaces::All(at) => *at,
             LeafPlaces::Each(places) => places[k.min(places.len() - 1)],
@@ -41,7 +41,7 @@ impl LeafPlaces {
 
 impl<'u> Elab<'u> {
     /// Returns the position where an expression is evaluated: in the fragment of its clock.
-    pub(super) fn placed(&mut self, scope: &mut Scope<'u>, id: ExprId, at: At) -> At {
+    pub(in crate::elab) fn placed(&mut self, scope: &mut Scope<'u>, id: ExprId, at: At) -> At {
         match self.clocked_facts(scope) {
             Some(facts) => self.place(scope, facts.clocks.place(id), at),
             None => at,
@@ -49,7 +49,12 @@ impl<'u> Elab<'u> {
     }
 
     /// Returns the positions of the leaves of an elementwise expression. `at` is the position of its first leaf.
-    pub(super) fn leaf_places(&mut self, scope: &mut Scope<'u>, id: ExprId, at: At) -> LeafPlaces {
+    pub(in crate::elab) fn leaf_places(
+        &mut self,
+        scope: &mut Scope<'u>,
+        id: ExprId,
+        at: At,
+    ) -> LeafPlaces {
         let row = self.clocked_facts(scope).map(|facts| facts.clocks.row(id));
         match row {
             None | Some(Row::All(_)) => LeafPlaces::All(at),
@@ -62,7 +67,7 @@ impl<'u> Elab<'u> {
 
     /// Returns the position in the fragment of a clock. The guard of `at` is kept if the fragment lies inside that of
     /// `at`.
-    pub(super) fn place(&mut self, scope: &mut Scope<'u>, clock: ClockId, at: At) -> At {
+    pub(in crate::elab) fn place(&mut self, scope: &mut Scope<'u>, clock: ClockId, at: At) -> At {
         let fragment = self.clock_fragment(scope, clock);
         let mut around = self.net.enclosing(fragment);
         let inside = fragment == at.fragment || around.any(|outer| outer == at.fragment);
@@ -73,13 +78,13 @@ impl<'u> Elab<'u> {
         }
     }
 
-    pub(super) fn facts_of(&self, scope: &Scope<'u>) -> Option<&'u Facts> {
+    pub(in crate::elab) fn facts_of(&self, scope: &Scope<'u>) -> Option<&'u Facts> {
         let facts = self.facts;
         scope.id.and_then(|unit| facts.get(unit.0 as usize))
     }
 
     /// Returns the facts of a unit that has sampled flows; none for other units and for constants.
-    pub(super) fn clocked_facts(&self, scope: &Scope<'u>) -> Option<&'u Facts> {
+    pub(in crate::elab) fn clocked_facts(&self, scope: &Scope<'u>) -> Option<&'u Facts> {
         let facts = self.facts_of(scope).filter(|facts| facts.clocks.any());
         facts.filter(|_| self.mode != Mode::Constant)
     }
@@ -133,7 +138,7 @@ impl<'u> Elab<'u> {
     /// Returns the first port under which a flow was used as a decider, which may be an alias from before its equation
     /// was reached. Otherwise one clock would get two fragments.
     fn first_name(&self, port: PortRef) -> PortRef {
-        use super::signal::alias_of;
+        use crate::elab::signal::alias_of;
         let mut name = port;
         while let Some(before) = self.names_before.get(&name)
             && alias_of(name).is_none_or(|alias| alias_of(*before) < Some(alias))
@@ -200,7 +205,12 @@ impl<'u> Elab<'u> {
     }
 
     /// Returns the deciders that a unit exposes to its caller.
-    pub(super) fn expose(&mut self, scope: &mut Scope<'u>, id: UnitId, span: Span) -> Vec<Signal> {
+    pub(in crate::elab) fn expose(
+        &mut self,
+        scope: &mut Scope<'u>,
+        id: UnitId,
+        span: Span,
+    ) -> Vec<Signal> {
         let facts = self.facts.get(id.0 as usize);
         let exposed = facts.map_or(&[][..], |facts| facts.clocks.exposed());
         let exposed = exposed.iter();
@@ -210,7 +220,7 @@ impl<'u> Elab<'u> {
     }
 
     /// Binds the aliases of the deciders inside a call.
-    pub(super) fn bind_inside(
+    pub(in crate::elab) fn bind_inside(
         &mut self,
         scope: &mut Scope<'u>,
         call: ExprId,
@@ -238,7 +248,7 @@ impl<'u> Elab<'u> {
     }
 
     /// Elaborates `merge c (...)` as a selection by the decider. Cases that are not selected are absent.
-    pub(super) fn merge(
+    pub(in crate::elab) fn merge(
         &mut self,
         scope: &mut Scope<'u>,
         on: ExprId,
@@ -247,12 +257,12 @@ impl<'u> Elab<'u> {
         at: At,
     ) -> Wire {
         let span = scope.unit.expr(id).span;
-        let scalars = super::expr::leaf_scalars(&scope.unit.expr(id).ty);
+        let scalars = crate::elab::expr::leaf_scalars(&scope.unit.expr(id).ty);
         let is_truth = scope.unit.expr(on).ty.scalar() == Some(Scalar::Bool);
         let deciding = self.operand_wire(scope, [id, on], at);
         let deciding = deciding.first().cloned().unwrap_or(Signal::Absent);
         let Some(((_, last), others)) = cases.split_last() else {
-            return super::signal::nothing();
+            return crate::elab::signal::nothing();
         };
         let mut chosen = self.wide(scope, *last, scalars.len(), at).to_vec();
         for (value, case) in others.iter().rev() {
@@ -284,7 +294,7 @@ impl<'u> Elab<'u> {
     }
 
     /// Elaborates `current x`: x where its clock ticks, else its value at the last tick.
-    pub(super) fn current(
+    pub(in crate::elab) fn current(
         &mut self,
         scope: &mut Scope<'u>,
         [id, operand]: [ExprId; 2],
@@ -296,7 +306,7 @@ impl<'u> Elab<'u> {
         };
         let span = scope.unit.expr(id).span;
         let places = self.leaf_places(scope, id, at);
-        let scalars = super::expr::leaf_scalars(&scope.unit.expr(operand).ty);
+        let scalars = crate::elab::expr::leaf_scalars(&scope.unit.expr(operand).ty);
         let before = match scope.unit.is_lustre {
             true => Family::Pre,
             false => Family::OptionalPre,
@@ -321,7 +331,7 @@ impl<'u> Elab<'u> {
     }
 
     /// Returns a flow for a reader in all cycles of its block: absent where the flow's clock does not tick.
-    pub(super) fn off_clock_absent(
+    pub(in crate::elab) fn off_clock_absent(
         &mut self,
         scope: &mut Scope<'u>,
         flow: FlowId,
@@ -331,14 +341,14 @@ impl<'u> Elab<'u> {
         let Some(facts) = self.clocked_facts(scope) else {
             return wire.clone();
         };
-        let scalars = super::expr::leaf_scalars(&scope.unit.flow(flow).ty);
+        let scalars = crate::elab::expr::leaf_scalars(&scope.unit.flow(flow).ty);
         let row = facts.clocks.flow(flow);
         let clocks = |k: usize| (row.leaf(k), ClockId::BASE);
         self.seen(scope, (wire, &scalars), clocks, span)
     }
 
     /// Returns an operand of a strict operator or call: absent where the operator's clock ticks and its own does not.
-    pub(super) fn operand_wire(
+    pub(in crate::elab) fn operand_wire(
         &mut self,
         scope: &mut Scope<'u>,
         [reader, operand]: [ExprId; 2],
@@ -352,7 +362,7 @@ impl<'u> Elab<'u> {
     }
 
     /// Returns an operand of an elementwise operator, leaf by leaf on the clock of the result.
-    pub(super) fn read_each(
+    pub(in crate::elab) fn read_each(
         &mut self,
         scope: &mut Scope<'u>,
         [reader, operand]: [ExprId; 2],
@@ -366,12 +376,12 @@ impl<'u> Elab<'u> {
         let clocks = &facts.clocks;
         let pair = |k: usize| (clocks.leaf(operand, k), clocks.leaf(reader, k));
         let expr = scope.unit.expr(operand);
-        let scalars = super::expr::leaf_scalars(&expr.ty);
+        let scalars = crate::elab::expr::leaf_scalars(&expr.ty);
         self.seen(scope, (&wire, &scalars), pair, expr.span)
     }
 
     /// Returns a value for a reader on one clock.
-    pub(super) fn read_at(
+    pub(in crate::elab) fn read_at(
         &mut self,
         scope: &mut Scope<'u>,
         id: ExprId,
@@ -383,13 +393,13 @@ impl<'u> Elab<'u> {
             return wire;
         };
         let expr = scope.unit.expr(id);
-        let scalars = super::expr::leaf_scalars(&expr.ty);
+        let scalars = crate::elab::expr::leaf_scalars(&expr.ty);
         let pair = |k: usize| (facts.clocks.leaf(id, k), clock);
         self.seen(scope, (&wire, &scalars), pair, expr.span)
     }
 
     /// Returns the value of an equation on the clocks of its targets.
-    pub(super) fn taken(
+    pub(in crate::elab) fn taken(
         &mut self,
         scope: &mut Scope<'u>,
         equation: &'u Equation,
@@ -411,7 +421,7 @@ impl<'u> Elab<'u> {
         let own = |k: usize| clocks.leaf(equation.value, k);
         let pair = |k: usize| (own(k), wanted.get(k).copied().unwrap_or(own(k)));
         let expr = scope.unit.expr(equation.value);
-        let scalars = super::expr::leaf_scalars(&expr.ty);
+        let scalars = crate::elab::expr::leaf_scalars(&expr.ty);
         self.seen(scope, (&wire, &scalars), pair, expr.span)
     }
 
@@ -458,7 +468,7 @@ impl<'u> Elab<'u> {
 
     /// Returns the operand of `when` where its clock meets that of the decider. Leaves on other clocks are optional
     /// there.
-    pub(super) fn sampled_value(
+    pub(in crate::elab) fn sampled_value(
         &mut self,
         scope: &mut Scope<'u>,
         [id, value]: [ExprId; 2],
@@ -469,7 +479,7 @@ impl<'u> Elab<'u> {
             return wire;
         };
         let expr = scope.unit.expr(value);
-        let scalars = super::expr::leaf_scalars(&expr.ty);
+        let scalars = crate::elab::expr::leaf_scalars(&expr.ty);
         let mut leaves = Vec::with_capacity(wire.len());
         for (k, (signal, scalar)) in wire.iter().zip(scalars).enumerate() {
             let (common, beyond) = facts.clocks.beyond_sampled(value, k, id);
@@ -503,7 +513,12 @@ impl<'u> Elab<'u> {
 
     /// Returns a flow for readers outside its block: defined in all cycles of the block, absent where its clock does
     /// not tick. The aliases are bound at the end, when the fragment of the block exists.
-    pub(super) fn flow_outside(&mut self, scope: &mut Scope<'u>, flow: FlowId, span: Span) -> Wire {
+    pub(in crate::elab) fn flow_outside(
+        &mut self,
+        scope: &mut Scope<'u>,
+        flow: FlowId,
+        span: Span,
+    ) -> Wire {
         let facts = self.clocked_facts(scope);
         let is_base = |facts: &Facts| facts.clocks.flow(flow) == Row::All(ClockId::BASE);
         if facts.is_none_or(is_base) {
@@ -518,7 +533,7 @@ impl<'u> Elab<'u> {
     }
 
     /// Binds the aliases of flows that are read outside their blocks.
-    pub(super) fn bind_outside(&mut self, scope: &mut Scope<'u>) {
+    pub(in crate::elab) fn bind_outside(&mut self, scope: &mut Scope<'u>) {
         let around = scope.base;
         for (flow, aliases) in std::mem::take(&mut scope.outside) {
             let declared = scope.unit.flow(flow);

@@ -1,10 +1,10 @@
 //! Elaborates reads and writes of device ports.
 
-use super::expr::leaf_scalars;
-use super::families::{Family, member};
-use super::scope::Scope;
-use super::signal::{Signal, Wire, nothing};
-use super::{At, Elab, Mode, NotConstant};
+use crate::elab::expr::leaf_scalars;
+use crate::elab::families::{Family, member};
+use crate::elab::scope::Scope;
+use crate::elab::signal::{Signal, Wire, nothing};
+use crate::elab::{At, Elab, Mode, NotConstant};
 use crate::ty::{DevicePortTy, DeviceTy, Ty};
 use crate::typed::{ExprId, FlowId, Target};
 use rpi_diag::Span;
@@ -15,7 +15,7 @@ use rpi_prims::PrimId;
 impl<'u> Elab<'u> {
     /// Elaborates a read of a sensor or status port. Each port is read once, at the start of the cycle, independently
     /// of activations.
-    pub(super) fn sensor(
+    pub(in crate::elab) fn sensor(
         &mut self,
         scope: &mut Scope<'u>,
         device: ExprId,
@@ -104,7 +104,7 @@ impl<'u> Elab<'u> {
     }
 
     /// Elaborates a write of a set-point to an actuator port, leaf by leaf.
-    pub(super) fn write(
+    pub(in crate::elab) fn write(
         &mut self,
         scope: &mut Scope<'u>,
         device: FlowId,
@@ -130,7 +130,7 @@ impl<'u> Elab<'u> {
                 continue;
             };
             let params = port_params(prim, &name, &port.name, k);
-            let inputs = vec![Some(super::signal::single(signal.clone()))];
+            let inputs = vec![Some(crate::elab::signal::single(signal.clone()))];
             self.prim(prim, inputs, params, at, target.span);
         }
     }

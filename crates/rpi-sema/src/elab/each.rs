@@ -1,12 +1,12 @@
 //! Elaborates elementwise operators: `if`, `pre`, `->`, `??`, `hold`.
 
-use super::clocks::LeafPlaces;
-use super::expr::leaf_scalars;
-use super::families::{Family, member};
-use super::scope::Scope;
-use super::signal::{Signal, Wire};
-use super::{At, Elab, Mode, NotConstant};
 use crate::clocks::ClockId;
+use crate::elab::clocks::LeafPlaces;
+use crate::elab::expr::leaf_scalars;
+use crate::elab::families::{Family, member};
+use crate::elab::scope::Scope;
+use crate::elab::signal::{Signal, Wire};
+use crate::elab::{At, Elab, Mode, NotConstant};
 use crate::typed::{Each, ExprId, Kind, Unit};
 use rpi_diag::Span;
 use rpi_image::{Scalar, Type, Value};
@@ -15,7 +15,7 @@ use rpi_net::{FragmentId, Input, PortRef, Types};
 use smallvec::smallvec;
 
 impl<'u> Elab<'u> {
-    pub(super) fn each(
+    pub(in crate::elab) fn each(
         &mut self,
         scope: &mut Scope<'u>,
         each: Each,
@@ -56,7 +56,7 @@ impl<'u> Elab<'u> {
                     })
                     .collect()
             }
-            _ => super::signal::nothing(),
+            _ => crate::elab::signal::nothing(),
         }
     }
 
@@ -193,7 +193,7 @@ impl<'u> Elab<'u> {
     }
 
     /// Returns the position `at` with the additional guard `condition`.
-    pub(super) fn guarded_by(&mut self, condition: Signal, at: At, span: Span) -> At {
+    pub(in crate::elab) fn guarded_by(&mut self, condition: Signal, at: At, span: Span) -> At {
         let here = match at.guard {
             Some(outer) => self.simple(
                 prim!("Core::BooleanAnd"),
@@ -260,7 +260,7 @@ impl<'u> Elab<'u> {
     }
 
     /// Adds one delay node.
-    pub(super) fn delay(
+    pub(in crate::elab) fn delay(
         &mut self,
         family: Family,
         scalar: Scalar,
@@ -322,17 +322,17 @@ impl<'u> Elab<'u> {
     }
 
     /// Returns which leaves of an expression can be absent.
-    pub(super) fn absence(&self, scope: &Scope<'u>, id: ExprId) -> crate::facts::Absence {
+    pub(in crate::elab) fn absence(&self, scope: &Scope<'u>, id: ExprId) -> crate::facts::Absence {
         let facts = scope.id.and_then(|unit| self.facts.get(unit.0 as usize));
         facts.map_or(crate::facts::Absence::NEVER, |facts| facts.absence(id))
     }
 
     /// Returns the constant value of a signal, following one alias.
-    pub(super) fn settled_constant(&self, signal: &Signal) -> Option<Value> {
+    pub(in crate::elab) fn settled_constant(&self, signal: &Signal) -> Option<Value> {
         match signal {
             Signal::Const(value) => Some(value.clone()),
             Signal::Port(port) => {
-                let alias = super::signal::alias_of(*port)?;
+                let alias = crate::elab::signal::alias_of(*port)?;
                 match self.aliases.get(alias)?.as_ref()? {
                     Signal::Const(value) => Some(value.clone()),
                     _ => None,
@@ -343,7 +343,13 @@ impl<'u> Elab<'u> {
     }
 
     /// Returns the wire of an expression expanded to `count` leaves. A bare `none` has a single leaf and is repeated.
-    pub(super) fn wide(&mut self, scope: &mut Scope<'u>, id: ExprId, count: usize, at: At) -> Wire {
+    pub(in crate::elab) fn wide(
+        &mut self,
+        scope: &mut Scope<'u>,
+        id: ExprId,
+        count: usize,
+        at: At,
+    ) -> Wire {
         let wire = self.expr(scope, id, at);
         match (&wire[..], count) {
             ([Signal::Absent], n) if n != 1 => (0..n).map(|_| Signal::Absent).collect(),
@@ -353,7 +359,7 @@ impl<'u> Elab<'u> {
 }
 
 /// Returns whether an expression reads flows in the current cycle, that is outside a delay.
-pub(super) fn reads_flows(unit: &Unit, id: ExprId) -> bool {
+pub(in crate::elab) fn reads_flows(unit: &Unit, id: ExprId) -> bool {
     let mut parts = unit.parts(id);
     while let Some((id, expr)) = parts.next() {
         match &expr.kind {

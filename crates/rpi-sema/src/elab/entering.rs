@@ -5,16 +5,16 @@
 //! inside, such a flow would not be a link across the border. A copy node is therefore inserted beside the fragment. It
 //! depends on the fragment, and the fragment depends on it, so that the dependency cycle is found.
 
-use super::scope::{Scope, State};
-use super::signal::{Signal, Wire, alias_of};
-use super::{Elab, Mode};
+use crate::elab::scope::{Scope, State};
+use crate::elab::signal::{Signal, Wire, alias_of};
+use crate::elab::{Elab, Mode};
 use crate::typed::BlockId;
 use rpi_diag::Span;
 use rpi_net::FragmentId;
 
 impl<'u> Elab<'u> {
     /// Passes the inputs of a called fragment through entry aliases.
-    pub(super) fn ports_enter(&mut self, scope: &mut Scope<'u>, fragment: FragmentId) {
+    pub(in crate::elab) fn ports_enter(&mut self, scope: &mut Scope<'u>, fragment: FragmentId) {
         for port in &scope.unit.inputs {
             if let State::Known(wire) = scope.state(*port).clone() {
                 let wire = self.entering(&wire, fragment);
@@ -24,7 +24,7 @@ impl<'u> Elab<'u> {
     }
 
     /// Returns a flow of an enclosing block as read in a block in place.
-    pub(super) fn read_inside(
+    pub(in crate::elab) fn read_inside(
         &mut self,
         scope: &Scope<'u>,
         block: BlockId,
@@ -71,7 +71,7 @@ impl<'u> Elab<'u> {
 
     /// Returns the signal of a resolved entry alias: a copy node outside the fragment if the fragment itself computes
     /// the signal.
-    pub(super) fn before_entry(&mut self, alias: usize, signal: Signal) -> Signal {
+    pub(in crate::elab) fn before_entry(&mut self, alias: usize, signal: Signal) -> Signal {
         let Some(&fragment) = self.entries.get(&alias) else {
             return signal;
         };

@@ -1,11 +1,11 @@
 //! Elaborates expressions, one method per kind.
 
-use super::families::Family;
-use super::pack::natural;
-use super::scope::Scope;
-use super::signal::{Given, Signal, Wire, nothing, single};
-use super::{At, Elab, Mode, NotConstant};
 use crate::clocks::ClockId;
+use crate::elab::families::Family;
+use crate::elab::pack::natural;
+use crate::elab::scope::Scope;
+use crate::elab::signal::{Given, Signal, Wire, nothing, single};
+use crate::elab::{At, Elab, Mode, NotConstant};
 use crate::typed::{Activation, ExprId, Kind, PrimCall};
 use rpi_diag::{Finding, Span};
 use rpi_image::{ParamType, PortType, Role, Scalar, Type, Value};
@@ -30,7 +30,7 @@ fn first_operand(scope: &Scope<'_>, id: ExprId) -> Option<ExprId> {
 
 impl<'u> Elab<'u> {
     /// Returns the wire of an expression, elaborating it on first use.
-    pub(super) fn expr(&mut self, scope: &mut Scope<'u>, id: ExprId, at: At) -> Wire {
+    pub(in crate::elab) fn expr(&mut self, scope: &mut Scope<'u>, id: ExprId, at: At) -> Wire {
         if let Some(wire) = scope.recall(id, at.guard) {
             return wire;
         }
@@ -143,13 +143,18 @@ impl<'u> Elab<'u> {
     }
 
     /// Returns the condition of a block as one signal, defined in all cycles of the block.
-    pub(super) fn one(&mut self, scope: &mut Scope<'u>, id: ExprId, at: At) -> Signal {
+    pub(in crate::elab) fn one(&mut self, scope: &mut Scope<'u>, id: ExprId, at: At) -> Signal {
         let wire = self.read_at(scope, id, ClockId::BASE, at);
         wire.first().cloned().unwrap_or(Signal::Absent)
     }
 
     /// Returns an operand as one signal.
-    pub(super) fn operand(&mut self, scope: &mut Scope<'u>, pair: [ExprId; 2], at: At) -> Signal {
+    pub(in crate::elab) fn operand(
+        &mut self,
+        scope: &mut Scope<'u>,
+        pair: [ExprId; 2],
+        at: At,
+    ) -> Signal {
         let wire = self.operand_wire(scope, pair, at);
         wire.first().cloned().unwrap_or(Signal::Absent)
     }
@@ -248,7 +253,12 @@ impl<'u> Elab<'u> {
     }
 
     /// Returns a condition that is true in cycles in which the enclosing branch is not chosen.
-    pub(super) fn where_chosen(&mut self, condition: &Signal, at: At, span: Span) -> Signal {
+    pub(in crate::elab) fn where_chosen(
+        &mut self,
+        condition: &Signal,
+        at: At,
+        span: Span,
+    ) -> Signal {
         match at.guard {
             Some(guard) => self.simple(
                 prim!("Rpi::BooleanImplies"),
@@ -261,7 +271,13 @@ impl<'u> Elab<'u> {
     }
 
     /// Adds a check that ends the command with a fault in a cycle in which the condition is false.
-    pub(super) fn assert(&mut self, check: PrimId, condition: &Signal, at: At, span: Span) {
+    pub(in crate::elab) fn assert(
+        &mut self,
+        check: PrimId,
+        condition: &Signal,
+        at: At,
+        span: Span,
+    ) {
         if *condition == Signal::Const(Value::bool(true)) {
             return;
         }
@@ -335,7 +351,7 @@ impl<'u> Elab<'u> {
     }
 
     /// Returns a conjunction, without a node if one operand is constant.
-    pub(super) fn both(&mut self, a: &Signal, b: &Signal, at: At, span: Span) -> Signal {
+    pub(in crate::elab) fn both(&mut self, a: &Signal, b: &Signal, at: At, span: Span) -> Signal {
         let known = |signal: &Signal| match signal {
             Signal::Const(value) => value.as_bool(),
             _ => None,
@@ -351,7 +367,7 @@ impl<'u> Elab<'u> {
     }
 
     /// Returns whether code ruled out by a constant is left out. `reads`: whether that code reads flows.
-    pub(super) fn drops(&mut self, reads: bool) -> bool {
+    pub(in crate::elab) fn drops(&mut self, reads: bool) -> bool {
         self.leaves_out |= reads;
         !reads || matches!(self.mode, Mode::Net | Mode::Constant)
     }
@@ -401,7 +417,7 @@ impl<'u> Elab<'u> {
         if let Some(known) = self.of_cycle.get(&key).filter(|_| is_of_cycle) {
             return known.clone();
         }
-        let at = match super::guarded::has_state(call) {
+        let at = match crate::elab::guarded::has_state(call) {
             true => at.unguarded(),
             false => at,
         };
@@ -414,7 +430,7 @@ impl<'u> Elab<'u> {
         };
         let wire = match at
             .guard
-            .and_then(|guard| super::guarded::twin(call.prim).map(|twin| (guard, twin)))
+            .and_then(|guard| crate::elab::guarded::twin(call.prim).map(|twin| (guard, twin)))
         {
             Some((guard, twin)) => {
                 let guard = single(Signal::Port(guard));
@@ -481,7 +497,7 @@ impl<'u> Elab<'u> {
 }
 
 /// Returns `count` leaves of a wire starting at `at`.
-pub(super) fn part(wire: &Wire, at: usize, count: usize) -> Wire {
+pub(in crate::elab) fn part(wire: &Wire, at: usize, count: usize) -> Wire {
     match wire.get(at..at.saturating_add(count)) {
         Some(leaves) if leaves.len() == wire.len() => wire.clone(),
         Some(leaves) => leaves.into(),
@@ -490,10 +506,10 @@ pub(super) fn part(wire: &Wire, at: usize, count: usize) -> Wire {
 }
 
 /// Machine types of the leaves of a type.
-pub(super) type Scalars = SmallVec<[Scalar; 4]>;
+pub(in crate::elab) type Scalars = SmallVec<[Scalar; 4]>;
 
 /// Returns the machine types of a type's leaves.
-pub(super) fn leaf_scalars(ty: &crate::ty::Ty) -> Scalars {
+pub(in crate::elab) fn leaf_scalars(ty: &crate::ty::Ty) -> Scalars {
     let mut scalars = Scalars::new();
     ty.leaves(&mut |_, leaf| scalars.push(leaf.scalar().unwrap_or(Scalar::Bool)));
     scalars

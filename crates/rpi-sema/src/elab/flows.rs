@@ -1,9 +1,9 @@
 //! Reads and definitions of flows.
 
-use super::expr::leaf_scalars;
-use super::scope::{Scope, State};
-use super::signal::{Signal, Wire, alias_of, nothing};
-use super::{At, Elab, Mode, NotConstant};
+use crate::elab::expr::leaf_scalars;
+use crate::elab::scope::{Scope, State};
+use crate::elab::signal::{Signal, Wire, alias_of, nothing};
+use crate::elab::{At, Elab, Mode, NotConstant};
 use crate::ty::Ty;
 use crate::typed::{Equation, FlowId, FlowRole, Place, Target};
 use rpi_diag::Span;
@@ -11,7 +11,12 @@ use rpi_net::PortRef;
 
 impl<'u> Elab<'u> {
     /// Returns the wire of a flow; aliases if its equation has not been elaborated yet.
-    pub(super) fn flow(&mut self, scope: &mut Scope<'u>, flow: FlowId, span: Span) -> Wire {
+    pub(in crate::elab) fn flow(
+        &mut self,
+        scope: &mut Scope<'u>,
+        flow: FlowId,
+        span: Span,
+    ) -> Wire {
         match scope.state(flow) {
             State::Known(wire) => return wire.clone(),
             State::Busy => return self.fail(NotConstant::Flow(span)),
@@ -27,7 +32,7 @@ impl<'u> Elab<'u> {
         }
     }
 
-    pub(super) fn alias_wire(&mut self, ty: &Ty, span: Span) -> Wire {
+    pub(in crate::elab) fn alias_wire(&mut self, ty: &Ty, span: Span) -> Wire {
         if !self.may_hold(ty.leaf_count(), span) {
             return nothing();
         }
@@ -60,7 +65,12 @@ impl<'u> Elab<'u> {
     }
 
     /// Defines the targets of an equation by the leaves of its value.
-    pub(super) fn define_all(&mut self, scope: &mut Scope<'u>, equation: &Equation, wire: &Wire) {
+    pub(in crate::elab) fn define_all(
+        &mut self,
+        scope: &mut Scope<'u>,
+        equation: &Equation,
+        wire: &Wire,
+    ) {
         let mut at = 0;
         for target in &equation.targets {
             let count = target.ty.leaf_count();
@@ -77,7 +87,13 @@ impl<'u> Elab<'u> {
     }
 
     /// Defines leaves of a flow, from `at` on, by their signals.
-    pub(super) fn define(&mut self, scope: &mut Scope<'u>, flow: FlowId, at: usize, part: &Wire) {
+    pub(in crate::elab) fn define(
+        &mut self,
+        scope: &mut Scope<'u>,
+        flow: FlowId,
+        at: usize,
+        part: &Wire,
+    ) {
         let whole = scope.unit.flow(flow).ty.leaf_count();
         if part.len() == whole
             && at == 0

@@ -4,8 +4,8 @@
 //! Calls of functions and of stateless nodes are guarded as a whole. State in an operand runs in all cycles, as in
 //! Lustre, and so do the faults of the operations that feed it.
 
-use super::Elab;
-use super::scope::Scope;
+use crate::elab::Elab;
+use crate::elab::scope::Scope;
 use crate::hash::Set;
 use crate::typed::{
     Activation, Block, BlockId, Call, Each, Equation, Expr, ExprId, Kind, PrimCall, Unit, UnitId,
@@ -30,7 +30,7 @@ const TWINS: &[(&str, &str)] = &[
 ];
 
 /// Returns the guarded variant of a primitive.
-pub(super) fn twin(prim: PrimId) -> Option<PrimId> {
+pub(in crate::elab) fn twin(prim: PrimId) -> Option<PrimId> {
     let desc = prim.desc();
     let row = TWINS
         .iter()
@@ -40,7 +40,7 @@ pub(super) fn twin(prim: PrimId) -> Option<PrimId> {
 
 /// Properties of an expression including its operands.
 #[derive(Clone, Copy, Default)]
-pub(super) struct Within {
+pub(in crate::elab) struct Within {
     /// Whether the expression contains an operation that can fault and can be guarded.
     can_fault: bool,
     /// Whether the expression contains state, which runs in all cycles.
@@ -48,7 +48,7 @@ pub(super) struct Within {
 }
 
 /// Properties of a unit and of its expressions.
-pub(super) struct WithinUnit {
+pub(in crate::elab) struct WithinUnit {
     /// Properties of each expression of the unit.
     exprs: Vec<Within>,
     /// Whether the unit can fault, or has a claim.
@@ -59,22 +59,22 @@ pub(super) struct WithinUnit {
 
 impl<'u> Elab<'u> {
     /// Returns whether an expression contains an operation that can fault and can be guarded.
-    pub(super) fn can_fault(&mut self, scope: &Scope<'u>, id: ExprId) -> bool {
+    pub(in crate::elab) fn can_fault(&mut self, scope: &Scope<'u>, id: ExprId) -> bool {
         self.within(scope, id).can_fault
     }
 
     /// Returns whether an expression contains state, which runs in all cycles.
-    pub(super) fn goes_on(&mut self, scope: &Scope<'u>, id: ExprId) -> bool {
+    pub(in crate::elab) fn goes_on(&mut self, scope: &Scope<'u>, id: ExprId) -> bool {
         self.within(scope, id).goes_on
     }
 
     /// Returns whether a call is guarded as a whole.
-    pub(super) fn is_guarded(&mut self, call: &Call) -> bool {
+    pub(in crate::elab) fn is_guarded(&mut self, call: &Call) -> bool {
         matches!(call.activation, Activation::Always) && self.is_stateless(call.unit)
     }
 
     /// Returns whether a unit has no state.
-    pub(super) fn is_stateless(&mut self, unit: UnitId) -> bool {
+    pub(in crate::elab) fn is_stateless(&mut self, unit: UnitId) -> bool {
         match self.units[unit.0 as usize].kind {
             UnitKind::Function => true,
             UnitKind::Node => self.within_unit(unit).is_stateless,
@@ -183,7 +183,7 @@ impl<'u> Elab<'u> {
 }
 
 /// Returns whether a primitive has state. Access to a device counts as state.
-pub(super) fn has_state(call: &PrimCall) -> bool {
+pub(in crate::elab) fn has_state(call: &PrimCall) -> bool {
     let desc = call.prim.desc();
     !matches!(desc.state, rpi_image::State::None)
         || matches!(desc.role, Role::Delay | Role::Actuator(_) | Role::Export)

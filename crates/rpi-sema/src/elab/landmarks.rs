@@ -1,7 +1,7 @@
 //! Coverage points: records which places in the source the parts of a test's net come from.
 
-use super::signal::Signal;
-use super::{At, Elab};
+use crate::elab::signal::Signal;
+use crate::elab::{At, Elab};
 use crate::hash::Map;
 use crate::typed::Unit;
 use rpi_diag::Span;
@@ -10,7 +10,7 @@ use rpi_net::{Choice, Exit, Exits, FragmentId, Net, Side};
 
 /// Makes the names of fragments and nodes unique within their parent. A test finds them in the image by name, and
 /// repeated calls or several automata in one body produce equal names.
-pub(super) fn tell_apart(net: &mut Net) {
+pub(in crate::elab) fn tell_apart(net: &mut Net) {
     let mut known = Known::default();
     for fragment in net.fragments.iter_mut().skip(1) {
         let parent = fragment.parent.unwrap_or(FragmentId::ROOT);
@@ -38,14 +38,14 @@ fn own_name(name: &mut String, inside: FragmentId, known: &mut Known) {
 
 impl Elab<'_> {
     /// Records that a unit is called.
-    pub(super) fn called_here(&mut self, unit: &Unit) {
+    pub(in crate::elab) fn called_here(&mut self, unit: &Unit) {
         if self.tells_landmarks {
             self.net.landmarks.called.push(unit.span);
         }
     }
 
     /// Records a choice and returns its branches, the one for `true` first.
-    pub(super) fn choice_here(
+    pub(in crate::elab) fn choice_here(
         &mut self,
         condition: &Signal,
         at: At,
@@ -67,7 +67,7 @@ impl Elab<'_> {
     }
 
     /// Records the transitions out of a state. `exits` has the last transition first.
-    pub(super) fn exits_here(
+    pub(in crate::elab) fn exits_here(
         &mut self,
         here: &Signal,
         exits: Vec<(Signal, Span)>,

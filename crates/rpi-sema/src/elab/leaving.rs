@@ -4,17 +4,17 @@
 //! Inside a fragment, a flow that is a constant or an alias of an outer flow needs no node. A reader outside sees an
 //! absent flow in the cycles in which the fragment is inactive, so for such a reader a node is added to the fragment.
 
-use super::expr::leaf_scalars;
-use super::scope::Scope;
-use super::signal::{Signal, Wire, alias_of};
-use super::{At, Elab, Mode};
+use crate::elab::expr::leaf_scalars;
+use crate::elab::scope::Scope;
+use crate::elab::signal::{Signal, Wire, alias_of};
+use crate::elab::{At, Elab, Mode};
 use crate::typed::{BlockId, FlowId};
 use rpi_diag::Span;
 use rpi_image::{Scalar, Type};
 use rpi_net::{Activation, FragmentId, PortRef};
 
 /// Leaf that is read outside a block whose fragment does not exist yet.
-pub(super) struct Leaving {
+pub(in crate::elab) struct Leaving {
     alias: usize,
     block: BlockId,
     reader: FragmentId,
@@ -23,7 +23,7 @@ pub(super) struct Leaving {
 impl<'u> Elab<'u> {
     /// Returns the wire of a flow for a reader in its unit. A reader outside a block that may be inactive sees an
     /// optional flow.
-    pub(super) fn read_flow(
+    pub(in crate::elab) fn read_flow(
         &mut self,
         scope: &mut Scope<'u>,
         (flow, is_outside): (FlowId, bool),
@@ -75,7 +75,12 @@ impl<'u> Elab<'u> {
     }
 
     /// Returns the leaves of fragment `from` for a reader in fragment `reader`.
-    pub(super) fn leaving(&mut self, wire: &Wire, from: FragmentId, reader: FragmentId) -> Wire {
+    pub(in crate::elab) fn leaving(
+        &mut self,
+        wire: &Wire,
+        from: FragmentId,
+        reader: FragmentId,
+    ) -> Wire {
         if self.mode == Mode::Constant || !self.is_gated(from, reader) {
             return wire.clone();
         }
@@ -90,7 +95,7 @@ impl<'u> Elab<'u> {
     }
 
     /// Assigns the pending leaves to their fragments, which all exist now.
-    pub(super) fn find_gates(&mut self, scope: &mut Scope<'u>) {
+    pub(in crate::elab) fn find_gates(&mut self, scope: &mut Scope<'u>) {
         for leaf in std::mem::take(&mut scope.leaving) {
             let from = scope.fragment(leaf.block);
             if let Some(from) = from.filter(|from| self.is_gated(*from, leaf.reader)) {
@@ -127,7 +132,7 @@ impl<'u> Elab<'u> {
 
     /// Returns the signal of a resolved gate alias: a node in the fragment if the signal is a constant or computed
     /// elsewhere.
-    pub(super) fn behind_gate(&mut self, alias: usize, signal: Signal) -> Signal {
+    pub(in crate::elab) fn behind_gate(&mut self, alias: usize, signal: Signal) -> Signal {
         let Some(&from) = self.gates.get(&alias) else {
             return signal;
         };
@@ -144,7 +149,7 @@ impl<'u> Elab<'u> {
         }
     }
 
-    pub(super) fn is_made_in(&self, port: PortRef, fragment: FragmentId) -> bool {
+    pub(in crate::elab) fn is_made_in(&self, port: PortRef, fragment: FragmentId) -> bool {
         let maker = self.net.node(port.node).fragment;
         self.net.enclosing(maker).any(|f| f == fragment)
     }

@@ -2,13 +2,13 @@
 //! decides, `??` if the left operand is absent. Operations in the right operand that can fault are guarded by that
 //! condition.
 
-use super::clocks::LeafPlaces;
-use super::each::reads_flows;
-use super::expr::leaf_scalars;
-use super::families::Family;
-use super::scope::Scope;
-use super::signal::{Signal, Wire, single};
-use super::{At, Elab, Mode};
+use crate::elab::clocks::LeafPlaces;
+use crate::elab::each::reads_flows;
+use crate::elab::expr::leaf_scalars;
+use crate::elab::families::Family;
+use crate::elab::scope::Scope;
+use crate::elab::signal::{Signal, Wire, single};
+use crate::elab::{At, Elab, Mode};
 use crate::typed::{ExprId, Kind, PrimCall};
 use rpi_diag::Span;
 use rpi_image::{Scalar, Value};
@@ -57,7 +57,7 @@ pub struct Operand {
 
 impl<'u> Elab<'u> {
     /// Elaborates an operand that is not always needed, recording it if it contains state.
-    pub(super) fn lazily(
+    pub(in crate::elab) fn lazily(
         &mut self,
         scope: &mut Scope<'u>,
         id: ExprId,
@@ -76,7 +76,7 @@ impl<'u> Elab<'u> {
     }
 
     /// Elaborates `x and y`, `x or y` and `x => y` where y can fault or has state; none for all other primitives.
-    pub(super) fn short_circuit(
+    pub(in crate::elab) fn short_circuit(
         &mut self,
         scope: &mut Scope<'u>,
         call: &'u PrimCall,
@@ -137,7 +137,7 @@ impl<'u> Elab<'u> {
     }
 
     /// Elaborates `x ?? y`.
-    pub(super) fn choice_by_presence(
+    pub(in crate::elab) fn choice_by_presence(
         &mut self,
         scope: &mut Scope<'u>,
         [id, a, b]: [ExprId; 3],

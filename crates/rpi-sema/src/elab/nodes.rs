@@ -1,9 +1,9 @@
 //! Adds nodes to the net. A node whose result is known is folded instead.
 
-use super::families::{Family, member};
-use super::pack::natural;
-use super::signal::{Given, Signal, Wire, alias, alias_of, single};
-use super::{At, Elab, Mode, NotConstant};
+use crate::elab::families::{Family, member};
+use crate::elab::pack::natural;
+use crate::elab::signal::{Given, Signal, Wire, alias, alias_of, single};
+use crate::elab::{At, Elab, Mode, NotConstant};
 use crate::typed::Leaf;
 use rpi_diag::{Code, Finding, Span};
 use rpi_image::{InPort, Need, PortDefault, PortType, Scalar, ShapeArgs, Type, Value};
@@ -15,7 +15,7 @@ use smallvec::smallvec;
 impl Elab<'_> {
     /// Adds a primitive with its inputs connected (`None` if open) and all its parameters. Returns the leaves of its
     /// outputs.
-    pub(super) fn prim(
+    pub(in crate::elab) fn prim(
         &mut self,
         prim: PrimId,
         inputs: Vec<Option<Wire>>,
@@ -31,7 +31,7 @@ impl Elab<'_> {
     }
 
     /// Like [`prim`](Self::prim), for inputs whose types are known including sizes.
-    pub(super) fn prim_shaped(
+    pub(in crate::elab) fn prim_shaped(
         &mut self,
         prim: PrimId,
         inputs: Given,
@@ -73,7 +73,13 @@ impl Elab<'_> {
     }
 
     /// Adds a primitive with inputs of one leaf and one output.
-    pub(super) fn simple(&mut self, prim: PrimId, inputs: &[Signal], at: At, span: Span) -> Signal {
+    pub(in crate::elab) fn simple(
+        &mut self,
+        prim: PrimId,
+        inputs: &[Signal],
+        at: At,
+        span: Span,
+    ) -> Signal {
         let mut connected = Inputs::with_capacity(inputs.len());
         for (port, signal) in prim.desc().inputs.iter().zip(inputs) {
             let ty = natural(port.ty, 1);
@@ -84,7 +90,7 @@ impl Elab<'_> {
     }
 
     /// Adds the member of a family for a value type.
-    pub(super) fn family(
+    pub(in crate::elab) fn family(
         &mut self,
         family: Family,
         scalar: Scalar,
@@ -99,7 +105,7 @@ impl Elab<'_> {
     }
 
     /// Adds a node that copies its input. Returns the port itself if its type has no such primitive.
-    pub(super) fn passing_on(
+    pub(in crate::elab) fn passing_on(
         &mut self,
         port: PortRef,
         scalar: Scalar,
@@ -117,7 +123,7 @@ impl Elab<'_> {
     }
 
     /// Adds a node.
-    pub(super) fn node(
+    pub(in crate::elab) fn node(
         &mut self,
         prim: PrimId,
         inputs: Inputs,
@@ -144,7 +150,7 @@ impl Elab<'_> {
     }
 
     /// Returns the leaves of a node's outputs.
-    pub(super) fn out_wire(&self, node: NodeId) -> Wire {
+    pub(in crate::elab) fn out_wire(&self, node: NodeId) -> Wire {
         let outputs = &self.net.node(node).outputs;
         if let [Type::One(_)] = outputs[..] {
             return single(Signal::Port(PortRef { node, port: 0 }));
@@ -245,7 +251,7 @@ impl Elab<'_> {
         self.certain_fault(fault_text(fault).to_owned(), span);
     }
 
-    pub(super) fn certain_fault(&mut self, what: String, span: Span) {
+    pub(in crate::elab) fn certain_fault(&mut self, what: String, span: Span) {
         match self.mode {
             Mode::Constant => {
                 self.fail(NotConstant::Fault(span, what));
@@ -257,14 +263,14 @@ impl Elab<'_> {
     }
 
     /// Reserves memory for `more` aliases.
-    pub(super) fn expect_aliases(&mut self, more: usize) {
+    pub(in crate::elab) fn expect_aliases(&mut self, more: usize) {
         self.aliases.reserve(more);
         self.alias_types.reserve(more);
         self.settling.reserve(more);
     }
 
     /// Creates an alias for a flow of a machine type.
-    pub(super) fn new_alias(&mut self, scalar: Scalar) -> PortRef {
+    pub(in crate::elab) fn new_alias(&mut self, scalar: Scalar) -> PortRef {
         self.aliases.push(None);
         self.alias_types.push(scalar);
         self.settling.push(false);
@@ -272,7 +278,7 @@ impl Elab<'_> {
     }
 
     /// Returns the signal `first` of a fragment.
-    pub(super) fn first(&mut self, fragment: FragmentId, span: Span) -> Signal {
+    pub(in crate::elab) fn first(&mut self, fragment: FragmentId, span: Span) -> Signal {
         if let Some(port) = self.firsts.get(&fragment) {
             return Signal::Port(*port);
         }
@@ -296,7 +302,7 @@ fn numbered(name: &str, serial: u32) -> String {
 }
 
 /// Returns the defaults of all parameters of a primitive.
-pub(super) fn default_params(prim: PrimId) -> Vec<Value> {
+pub(in crate::elab) fn default_params(prim: PrimId) -> Vec<Value> {
     prim.desc()
         .params
         .iter()
@@ -326,7 +332,7 @@ fn default_input(default: PortDefault, scalar: Scalar) -> Input {
 }
 
 /// Splits a value into its leaves, the elements of an array.
-pub(super) fn leaves(value: &Value) -> Vec<Leaf> {
+pub(in crate::elab) fn leaves(value: &Value) -> Vec<Leaf> {
     let (scalar, count) = match value.ty() {
         None | Some(Type::One(_)) => return vec![value.clone()],
         Some(Type::Array(scalar, n)) => (scalar, n),

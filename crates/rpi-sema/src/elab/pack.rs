@@ -1,8 +1,8 @@
 //! Arrays at the ports of primitives: packs leaves, extracts elements, and passes whole arrays on directly.
 
-use super::families::{Family, member};
-use super::signal::{Signal, alias_of};
-use super::{At, Elab};
+use crate::elab::families::{Family, member};
+use crate::elab::signal::{Signal, alias_of};
+use crate::elab::{At, Elab};
 use rpi_diag::Span;
 use rpi_image::{PortType, Scalar, Type, Value};
 use rpi_net::prim;
@@ -12,7 +12,13 @@ use smallvec::smallvec;
 
 impl Elab<'_> {
     /// Returns the input of a port of type `ty` for the given leaves.
-    pub(super) fn input(&mut self, wire: &[Signal], ty: Type, at: At, span: Span) -> Input {
+    pub(in crate::elab) fn input(
+        &mut self,
+        wire: &[Signal],
+        ty: Type,
+        at: At,
+        span: Span,
+    ) -> Input {
         match (ty, wire.first()) {
             (Type::One(_), None) => Input::Open,
             (Type::One(scalar), Some(signal)) => self.one_input(signal, scalar, at, span),
@@ -20,7 +26,7 @@ impl Elab<'_> {
         }
     }
 
-    pub(super) fn one_input(
+    pub(in crate::elab) fn one_input(
         &mut self,
         signal: &Signal,
         scalar: Scalar,
@@ -39,11 +45,16 @@ impl Elab<'_> {
     }
 
     /// Adds a flow that is never present.
-    pub(super) fn absent(&mut self, scalar: Scalar, at: At, span: Span) -> Option<PortRef> {
+    pub(in crate::elab) fn absent(
+        &mut self,
+        scalar: Scalar,
+        at: At,
+        span: Span,
+    ) -> Option<PortRef> {
         let prim = member(Family::SetNull, scalar)?;
         let value = Input::constant(Value::neutral(Type::One(scalar)));
         let inputs = smallvec![value, Input::constant(Value::bool(true))];
-        let params = super::nodes::default_params(prim);
+        let params = crate::elab::nodes::default_params(prim);
         let node = self.node(
             prim,
             inputs,
@@ -56,7 +67,7 @@ impl Elab<'_> {
     }
 
     /// Returns the port of one element of an array port. The element is extracted once, in the fragment of the array.
-    pub(super) fn element(&mut self, array: PortRef, k: u32, span: Span) -> PortRef {
+    pub(in crate::elab) fn element(&mut self, array: PortRef, k: u32, span: Span) -> PortRef {
         if let Some(port) = self.elements.get(&(array, k)) {
             return *port;
         }
@@ -99,7 +110,13 @@ impl Elab<'_> {
     }
 
     /// Returns an array whose leaves are resolved.
-    pub(super) fn settled_array(&mut self, wire: &[Signal], ty: Type, at: At, span: Span) -> Input {
+    pub(in crate::elab) fn settled_array(
+        &mut self,
+        wire: &[Signal],
+        ty: Type,
+        at: At,
+        span: Span,
+    ) -> Input {
         if let Some(port) = self.whole(wire, ty) {
             return Input::Port(port);
         }
@@ -160,7 +177,7 @@ impl Elab<'_> {
     }
 
     /// Returns the port of a signal, for inputs that accept only ports.
-    pub(super) fn port_of(
+    pub(in crate::elab) fn port_of(
         &mut self,
         signal: &Signal,
         scalar: Scalar,
@@ -228,7 +245,7 @@ fn place(ty: Type, k: u32) -> Vec<(&'static str, u32)> {
 }
 
 /// Returns the type of a port that takes `leaves` leaves. A matrix of unknown shape gets one row.
-pub(super) fn natural(port: PortType, leaves: usize) -> Type {
+pub(in crate::elab) fn natural(port: PortType, leaves: usize) -> Type {
     let n = u32::try_from(leaves).unwrap_or(u32::MAX);
     match port {
         PortType::One(scalar) => Type::One(scalar),

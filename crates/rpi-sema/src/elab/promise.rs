@@ -3,14 +3,14 @@
 //! An array read from a block that is elaborated later, or along a dependency cycle, would otherwise be unpacked and
 //! packed again element by element, although it is only passed on.
 
-use super::signal::{Signal, Wire, alias_of};
-use super::{At, Elab};
+use crate::elab::signal::{Signal, Wire, alias_of};
+use crate::elab::{At, Elab};
 use rpi_diag::Span;
 use rpi_image::{Scalar, Type};
 use rpi_net::{Input, PortRef};
 
 /// Array that is packed at the end of the elaboration.
-pub(super) struct Promise {
+pub(in crate::elab) struct Promise {
     alias: PortRef,
     wire: Wire,
     ty: Type,
@@ -20,7 +20,7 @@ pub(super) struct Promise {
 
 impl Elab<'_> {
     /// Defers an array of these leaves and returns the alias of the whole array.
-    pub(super) fn promise(&mut self, wire: Wire, ty: Type, at: At, span: Span) -> PortRef {
+    pub(in crate::elab) fn promise(&mut self, wire: Wire, ty: Type, at: At, span: Span) -> PortRef {
         // The alias refers to a whole array, so its type as a leaf is never used.
         let alias = self.new_alias(Scalar::Bool);
         self.promises.push(Promise {
@@ -34,13 +34,13 @@ impl Elab<'_> {
     }
 
     /// Returns the type of a deferred array.
-    pub(super) fn promised_type(&self, alias: PortRef) -> Option<Type> {
+    pub(in crate::elab) fn promised_type(&self, alias: PortRef) -> Option<Type> {
         let at = self.promises.binary_search_by_key(&alias, |p| p.alias);
         at.ok().map(|at| self.promises[at].ty)
     }
 
     /// Packs all deferred arrays. The aliases of their leaves must be resolved.
-    pub(super) fn keep_promises(&mut self) {
+    pub(in crate::elab) fn keep_promises(&mut self) {
         for promise in std::mem::take(&mut self.promises) {
             let leaf = |signal: &Signal| self.settled_leaf(signal);
             let wire: Wire = promise.wire.iter().map(leaf).collect();

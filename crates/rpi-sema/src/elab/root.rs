@@ -1,10 +1,10 @@
 //! Elaborates an entry point: a command, a test, or a node on its own.
 
-use super::families::Family;
-use super::scope::{Scope, State};
-use super::signal::{Signal, Wire, single};
-use super::{At, Claims, Elab, Mode, NotConstant, Operand};
 use crate::clocks::ClockId;
+use crate::elab::families::Family;
+use crate::elab::scope::{Scope, State};
+use crate::elab::signal::{Signal, Wire, single};
+use crate::elab::{At, Claims, Elab, Mode, NotConstant, Operand};
 use crate::facts::Facts;
 use crate::ty::Ty;
 use crate::typed::{BlockId, ExprId, FlowId, FlowRole, Leaf, Optional, Unit, UnitId, UnitKind};
@@ -168,7 +168,7 @@ impl<'u, 'a> Job<'u, 'a> {
         }
         elab.settle();
         if elab.tells_landmarks {
-            super::landmarks::tell_apart(&mut elab.net);
+            crate::elab::landmarks::tell_apart(&mut elab.net);
         }
         let ports = elab.watched.split_off(claims);
         let locals = locals.into_iter().zip(ports);
@@ -226,7 +226,7 @@ impl<'u> Elab<'u> {
                 (_, Some(default), _) => self.expr(scope, default, At::ROOT),
                 _ => {
                     let mut leaves = Vec::new();
-                    for scalar in super::expr::leaf_scalars(&declared.ty) {
+                    for scalar in crate::elab::expr::leaf_scalars(&declared.ty) {
                         // A Boolean decides what can happen at all, so it must not be fixed: it becomes an external
                         // input.
                         if scalar == Scalar::Bool {
@@ -271,7 +271,7 @@ impl<'u> Elab<'u> {
                 let default =
                     default.map(|signal| self.in_seconds(&signal, &ty, At::ROOT, declared.span));
                 let value = match (ty == Ty::Duration, declared.default) {
-                    (true, Some(id)) => super::constant(self.units, unit, id)
+                    (true, Some(id)) => crate::elab::constant(self.units, unit, id)
                         .ok()
                         .and_then(|leaves| leaves.get(k).cloned()),
                     _ => default
@@ -321,7 +321,7 @@ impl<'u> Elab<'u> {
     }
 
     /// Elaborates a value that the program leaves open as an external input.
-    pub(super) fn left_open(&mut self, scope: &Scope<'u>, id: ExprId, at: At) -> Wire {
+    pub(in crate::elab) fn left_open(&mut self, scope: &Scope<'u>, id: ExprId, at: At) -> Wire {
         let expr = scope.unit.expr(id);
         if self.mode == Mode::Constant {
             return self.fail(NotConstant::Flow(expr.span));
@@ -351,7 +351,7 @@ impl<'u> Elab<'u> {
         at: At,
         span: rpi_diag::Span,
     ) -> Signal {
-        let Some(prim) = super::families::member(Family::Input, scalar) else {
+        let Some(prim) = crate::elab::families::member(Family::Input, scalar) else {
             return Signal::Absent;
         };
         let value = |param: &rpi_image::Param| match param.name {
@@ -392,14 +392,20 @@ impl<'u> Elab<'u> {
         shapes
     }
 
-    pub(super) fn export(&mut self, key: &str, signal: &Signal, ty: &Ty, span: rpi_diag::Span) {
+    pub(in crate::elab) fn export(
+        &mut self,
+        key: &str,
+        signal: &Signal,
+        ty: &Ty,
+        span: rpi_diag::Span,
+    ) {
         let port = self.export_port(key, signal, ty, At::ROOT, span);
         self.net.exports.extend(port);
     }
 
     /// Returns the port that exports a flow. A constant is exported in the cycles in which the fragment of `at` is
     /// active.
-    pub(super) fn export_port(
+    pub(in crate::elab) fn export_port(
         &mut self,
         key: &str,
         signal: &Signal,

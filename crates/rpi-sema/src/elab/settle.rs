@@ -1,7 +1,7 @@
 //! End of an elaboration: resolves the aliases.
 
-use super::signal::{Signal, alias_of};
-use super::{At, Elab};
+use crate::elab::signal::{Signal, alias_of};
+use crate::elab::{At, Elab};
 use rpi_diag::Span;
 use rpi_image::Value;
 use rpi_net::{Activation, Driver, FragmentId, Input, PortRef, Restart};
@@ -9,7 +9,7 @@ use smallvec::{SmallVec, smallvec};
 
 impl Elab<'_> {
     /// Replaces all aliases by the signals to which they are bound.
-    pub(super) fn settle(&mut self) {
+    pub(in crate::elab) fn settle(&mut self) {
         self.begin("constant");
         for alias in 0..self.aliases.len() {
             self.settle_alias(alias);

@@ -1,10 +1,10 @@
 //! Run-time checks of subranges. A flow with a subrange type is checked where it is defined, passed as an argument or
 //! stored in a struct. The check passes the value on, so that all readers depend on the check.
 
-use super::scope::{Scope, State};
-use super::signal::{Signal, Wire, alias_of};
-use super::{At, Elab, Mode, NotConstant};
 use crate::check::outside;
+use crate::elab::scope::{Scope, State};
+use crate::elab::signal::{Signal, Wire, alias_of};
+use crate::elab::{At, Elab, Mode, NotConstant};
 use crate::ty::{Subrange, Ty};
 use crate::typed::{Equation, ExprId, FlowId, Place};
 use rpi_diag::Span;
@@ -25,7 +25,7 @@ struct Checked {
 
 impl<'u> Elab<'u> {
     /// Returns the leaves of an equation's value, each checked against the subrange of its target.
-    pub(super) fn targets_in_subranges(
+    pub(in crate::elab) fn targets_in_subranges(
         &mut self,
         scope: &mut Scope<'u>,
         equation: &Equation,
@@ -63,7 +63,7 @@ impl<'u> Elab<'u> {
     }
 
     /// Checks the inputs of a call. An error is reported at the caller's argument.
-    pub(super) fn inputs_in_subranges(
+    pub(in crate::elab) fn inputs_in_subranges(
         &mut self,
         scope: &mut Scope<'u>,
         spans: &[Option<Span>],
@@ -83,7 +83,7 @@ impl<'u> Elab<'u> {
     }
 
     /// Checks an input that is set from outside the program.
-    pub(super) fn outside_in_subranges(&mut self, scope: &mut Scope<'u>, flow: FlowId) {
+    pub(in crate::elab) fn outside_in_subranges(&mut self, scope: &mut Scope<'u>, flow: FlowId) {
         let span = scope.unit.flow(flow).span;
         self.input_in_subranges(scope, flow, true, At::ROOT, span);
     }
@@ -118,7 +118,7 @@ impl<'u> Elab<'u> {
     }
 
     /// Checks a value for field number `field` of a struct that is built here.
-    pub(super) fn field_in_subrange(
+    pub(in crate::elab) fn field_in_subrange(
         &mut self,
         wire: Wire,
         (of, field): (&Ty, usize),
@@ -138,7 +138,7 @@ impl<'u> Elab<'u> {
     }
 
     /// Checks some leaves of a value that comes from outside, or that has new parts of structs.
-    pub(super) fn leaves_in_subranges(
+    pub(in crate::elab) fn leaves_in_subranges(
         &mut self,
         wire: Wire,
         ty: &Ty,
@@ -235,7 +235,7 @@ impl<'u> Elab<'u> {
     }
 
     /// Checks the fields that `x with .n = y` replaces.
-    pub(super) fn replaced_in_subranges(
+    pub(in crate::elab) fn replaced_in_subranges(
         &mut self,
         scope: &Scope<'u>,
         wire: Wire,

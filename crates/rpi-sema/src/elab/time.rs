@@ -1,9 +1,9 @@
 //! Durations. Constants are kept in seconds, because the length of a cycle is known only to the core. In a net
 //! durations are numbers of ticks. Everything outside a command uses seconds.
 
-use super::scope::Scope;
-use super::signal::{Signal, Wire};
-use super::{At, Elab, Mode, NotConstant};
+use crate::elab::scope::Scope;
+use crate::elab::signal::{Signal, Wire};
+use crate::elab::{At, Elab, Mode, NotConstant};
 use crate::ty::Ty;
 use crate::typed::{ExprId, Leaf, PrimCall};
 use rpi_diag::Span;
@@ -20,7 +20,13 @@ const CONVERSIONS: [PrimId; 3] = [
 
 impl<'u> Elab<'u> {
     /// Returns the signals of a constant, leaf by leaf, with durations converted to ticks.
-    pub(super) fn constants(&mut self, leaves: &[Leaf], ty: &Ty, at: At, span: Span) -> Wire {
+    pub(in crate::elab) fn constants(
+        &mut self,
+        leaves: &[Leaf],
+        ty: &Ty,
+        at: At,
+        span: Span,
+    ) -> Wire {
         let mut times = Vec::new();
         if self.mode != Mode::Constant {
             ty.leaves(&mut |_, leaf| times.push(*leaf == Ty::Duration));
@@ -44,7 +50,7 @@ impl<'u> Elab<'u> {
 
     /// Evaluates a primitive with durations in a constant. A conversion is the identity there, and other operations on
     /// ticks have no value; none for primitives without durations.
-    pub(super) fn constant_time(
+    pub(in crate::elab) fn constant_time(
         &mut self,
         scope: &mut Scope<'u>,
         call: &'u PrimCall,
@@ -63,7 +69,13 @@ impl<'u> Elab<'u> {
     }
 
     /// Converts an external leaf to the unit of the program: durations from seconds to ticks.
-    pub(super) fn in_ticks(&mut self, signal: Signal, ty: &Ty, at: At, span: Span) -> Signal {
+    pub(in crate::elab) fn in_ticks(
+        &mut self,
+        signal: Signal,
+        ty: &Ty,
+        at: At,
+        span: Span,
+    ) -> Signal {
         match ty {
             Ty::Duration => self.simple(prim!("Rpi::TicksFromSeconds"), &[signal], at, span),
             _ => signal,
@@ -71,7 +83,13 @@ impl<'u> Elab<'u> {
     }
 
     /// Converts a leaf of the program to the unit used outside: durations from ticks to seconds.
-    pub(super) fn in_seconds(&mut self, signal: &Signal, ty: &Ty, at: At, span: Span) -> Signal {
+    pub(in crate::elab) fn in_seconds(
+        &mut self,
+        signal: &Signal,
+        ty: &Ty,
+        at: At,
+        span: Span,
+    ) -> Signal {
         let is_known = matches!(signal, Signal::Absent);
         match ty {
             Ty::Duration if !is_known => {
@@ -83,7 +101,7 @@ impl<'u> Elab<'u> {
     }
 
     /// Returns the machine type of a leaf outside the program.
-    pub(super) fn scalar_outside(ty: &Ty) -> Scalar {
+    pub(in crate::elab) fn scalar_outside(ty: &Ty) -> Scalar {
         crate::check::outside_type(ty).1
     }
 }

@@ -1,9 +1,9 @@
 //! Checks for values that must be present: flows that are not optional, conditions, and inputs that are not optional.
 
-use super::Absence;
-use super::presence::Inference;
-use super::reads::{Definition, Reads};
 use crate::clocks::ClockId;
+use crate::facts::Absence;
+use crate::facts::presence::Inference;
+use crate::facts::reads::{Definition, Reads};
 use crate::typed::{
     Activation, Call, Each, ExprId, Flow, FlowId, Kind, Optional, Place, Shared, Unit, UnitKind,
 };
@@ -11,7 +11,11 @@ use rpi_diag::{Code, Finding, Span};
 use std::collections::BTreeSet;
 
 /// Reports values that must be present but may be absent.
-pub(super) fn demand(inference: &Inference<'_>, reads: &Reads<'_>, findings: &mut Vec<Finding>) {
+pub(in crate::facts) fn demand(
+    inference: &Inference<'_>,
+    reads: &Reads<'_>,
+    findings: &mut Vec<Finding>,
+) {
     let faulty = flows(inference, reads, findings);
     conditions(inference, findings);
     for id in (0..).map(ExprId).take(inference.unit.exprs.len()) {
@@ -170,7 +174,7 @@ fn reads_flow_of(unit: &Unit, id: ExprId, block: usize) -> bool {
 
 impl Inference<'_> {
     /// Returns the absence of an argument for an input. An input with a clock takes values of that clock.
-    pub(super) fn given(&self, call: ExprId, port: &Flow, arg: ExprId) -> Absence {
+    pub(in crate::facts) fn given(&self, call: ExprId, port: &Flow, arg: ExprId) -> Absence {
         match port.clock {
             Some(_) => self.of(arg),
             None => self.seen_at(arg, self.clocks.place(call)),
@@ -228,7 +232,7 @@ fn needless(
 
 /// Finds the cause of an expression's absence: the first flow or operand that may be absent. Returns its span and a
 /// label.
-pub(super) fn origin(
+pub(in crate::facts) fn origin(
     inference: &Inference<'_>,
     id: ExprId,
     reader: ClockId,

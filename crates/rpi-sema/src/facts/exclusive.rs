@@ -5,7 +5,12 @@ use crate::typed::{BlockId, Each, ExprId, FlowId, Kind, Unit};
 /// Returns whether `a ?? b` is present in all cycles because its operands include flows from fragments with opposite
 /// activations, or from all states of an automaton. `total` returns whether a flow is present whenever its block is
 /// active.
-pub(super) fn covers(unit: &Unit, a: ExprId, b: ExprId, total: impl Fn(FlowId) -> bool) -> bool {
+pub(in crate::facts) fn covers(
+    unit: &Unit,
+    a: ExprId,
+    b: ExprId,
+    total: impl Fn(FlowId) -> bool,
+) -> bool {
     let mut flows = Vec::new();
     sources(unit, a, &mut flows);
     sources(unit, b, &mut flows);

@@ -1,13 +1,18 @@
 //! Checks takeovers in tasks: a value that a command takes over must be present in the last cycle of each possible
 //! predecessor (M7.3).
 
-use super::Facts;
 use crate::clocks::ClockId;
+use crate::facts::Facts;
 use crate::typed::{BlockId, Export, Handed, Optional, TaskStep, Unit};
 use rpi_diag::{Code, Finding};
 
 /// Reports values that a command in a task takes over and that may be absent.
-pub(super) fn handed(units: &[Unit], facts: &[Facts], task: &Unit, findings: &mut Vec<Finding>) {
+pub(in crate::facts) fn handed(
+    units: &[Unit],
+    facts: &[Facts],
+    task: &Unit,
+    findings: &mut Vec<Finding>,
+) {
     for step in &task.steps {
         let wrong =
             |handed: &&Handed| is_wanted(units, step, handed) && may_lack(units, facts, handed);

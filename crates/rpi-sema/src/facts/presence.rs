@@ -3,9 +3,9 @@
 //! A call is analysed by its callee's declared ports only. A function is lifted: absent arguments make its results
 //! absent. A value that must be present but may be absent is reported.
 
-use super::Absence;
-use super::reads::{Definition, Reads};
 use crate::clocks::{self, Borders, ClockId, Clocks};
+use crate::facts::Absence;
+use crate::facts::reads::{Definition, Reads};
 use crate::ty::Ty;
 use crate::typed::{
     Activation, BlockId, Call, Each, ExprId, FlowId, Kind, Optional, Place, PrimCall, Unit,
@@ -57,7 +57,7 @@ pub fn find(units: &[Unit], sound: &[bool]) -> (Vec<Facts>, Vec<Finding>) {
     }
     let mut findings: Vec<Finding> = all.into_iter().flatten().collect();
     for task in units {
-        super::handed::handed(units, &facts, task, &mut findings);
+        crate::facts::handed::handed(units, &facts, task, &mut findings);
     }
     (facts, findings)
 }
@@ -77,7 +77,7 @@ fn of_unit(units: &[Unit], facts: &[Facts], unit: &Unit) -> (Facts, Vec<Finding>
     let reads = Reads::new(unit);
     inference.solve(&reads);
     let mut absent = Vec::new();
-    super::demand::demand(&inference, &reads, &mut absent);
+    crate::facts::demand::demand(&inference, &reads, &mut absent);
     keep_causes(&mut absent, &apart);
     findings.append(&mut absent);
     let (exprs, flows) = (inference.exprs, inference.flows);
@@ -138,13 +138,13 @@ fn has_in_itself(places: &BTreeSet<Span>, place: Span) -> bool {
 }
 
 /// State of the presence inference for one unit.
-pub(super) struct Inference<'u> {
-    pub(super) units: &'u [Unit],
-    pub(super) facts: &'u [Facts],
-    pub(super) unit: &'u Unit,
-    pub(super) clocks: &'u Clocks,
+pub(in crate::facts) struct Inference<'u> {
+    pub(in crate::facts) units: &'u [Unit],
+    pub(in crate::facts) facts: &'u [Facts],
+    pub(in crate::facts) unit: &'u Unit,
+    pub(in crate::facts) clocks: &'u Clocks,
     /// Absence of each expression. Empty until `solve` starts.
-    pub(super) exprs: Vec<Absence>,
+    pub(in crate::facts) exprs: Vec<Absence>,
     flows: Vec<Absence>,
     borders: Borders<'u>,
 }
@@ -289,7 +289,7 @@ impl<'u> Inference<'u> {
         }
     }
 
-    pub(super) fn of(&self, id: ExprId) -> Absence {
+    pub(in crate::facts) fn of(&self, id: ExprId) -> Absence {
         let known = self.exprs.get(id.0 as usize);
         known.cloned().unwrap_or(Absence::NEVER)
     }
@@ -299,7 +299,7 @@ impl<'u> Inference<'u> {
     }
 
     /// Returns the absence of a value for a reader on one clock: also absent where the value's own clock does not tick.
-    pub(super) fn seen_at(&self, id: ExprId, reader: ClockId) -> Absence {
+    pub(in crate::facts) fn seen_at(&self, id: ExprId, reader: ClockId) -> Absence {
         let slower = |k: usize| self.clocks.is_slower(self.clocks.leaf(id, k), reader);
         match self.clocks.row(id).one() {
             Some(_) if slower(0) => Absence::MAYBE,
@@ -309,7 +309,7 @@ impl<'u> Inference<'u> {
     }
 
     /// Returns the absence of an operand of an elementwise operator.
-    pub(super) fn seen_by(&self, reader: ExprId, operand: ExprId) -> Absence {
+    pub(in crate::facts) fn seen_by(&self, reader: ExprId, operand: ExprId) -> Absence {
         match self.clocks.row(reader).one() {
             Some(clock) => self.seen_at(operand, clock),
             None => {
@@ -321,7 +321,7 @@ impl<'u> Inference<'u> {
     }
 
     /// Returns the absence of leaves of a value on the clock of the equation's target.
-    pub(super) fn taken(
+    pub(in crate::facts) fn taken(
         &self,
         value: ExprId,
         (first, count): (usize, usize),
@@ -441,7 +441,7 @@ impl<'u> Inference<'u> {
 
     fn covers(&self, a: ExprId, b: ExprId) -> bool {
         let total = |flow: FlowId| !self.flows[flow.0 as usize].any();
-        super::exclusive::covers(self.unit, a, b, total)
+        crate::facts::exclusive::covers(self.unit, a, b, total)
     }
 
     /// Returns for each output of a primitive whether it can be absent.
@@ -519,7 +519,7 @@ impl<'u> Inference<'u> {
     }
 
     /// Returns whether a flow is defined by equations and declared as present.
-    pub(super) fn must_be_present(&self, flow: FlowId) -> bool {
+    pub(in crate::facts) fn must_be_present(&self, flow: FlowId) -> bool {
         let flow = self.unit.flow(flow);
         flow.role.has_equation() && flow.optional == Optional::Declared(false)
     }
@@ -557,7 +557,7 @@ impl<'u> Inference<'u> {
     }
 
     /// Returns a fix that appends `?? otherwise` to an expression.
-    pub(super) fn coalesced(&self, id: ExprId, otherwise: &str) -> Fix {
+    pub(in crate::facts) fn coalesced(&self, id: ExprId, otherwise: &str) -> Fix {
         let span = self.unit.expr(id).span;
         let fix = Fix::maybe(format!("use `{otherwise}` while it is absent"));
         match self.unit.expr(id).kind {
@@ -571,7 +571,7 @@ impl<'u> Inference<'u> {
     }
 
     /// Reports a value that may be absent but must be present, for a reader on clock `reader`. `why` is the label.
-    pub(super) fn absent_here(&self, id: ExprId, reader: ClockId, why: &str) -> Finding {
+    pub(in crate::facts) fn absent_here(&self, id: ExprId, reader: ClockId, why: &str) -> Finding {
         let span = self.unit.expr(id).span;
         let message = match self.unit.expr(id).kind {
             Kind::Flow(flow) => format!("`{}` may be absent here", self.unit.flow(flow).name),
@@ -586,7 +586,7 @@ impl<'u> Inference<'u> {
                 finding.help("handle the absence: `x ?? other`, `hold(x, init)`, or `present(x)`")
             }
         };
-        match super::demand::origin(self, id, reader) {
+        match crate::facts::demand::origin(self, id, reader) {
             Some((span, text)) => finding.also(span, text),
             None => finding,
         }

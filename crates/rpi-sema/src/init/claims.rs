@@ -1,15 +1,15 @@
 //! Warnings for claims in Lustre that read an uninitialised `pre`. Other tools take an arbitrary value there, so the
 //! program is accepted with a warning.
 
-use super::phases::PHASES;
-use super::rules::Rule;
-use super::solve::Solution;
+use crate::init::phases::PHASES;
+use crate::init::rules::Rule;
+use crate::init::solve::Solution;
 use rpi_diag::{Code, Finding, Span};
 use rpi_net::{FragmentId, Net, NodeId, PortRef};
 use std::collections::BTreeSet;
 
 /// Returns the condition ports of Lustre claims, each with the fragment of the claim.
-pub(super) fn looked_at(net: &Net) -> impl Iterator<Item = (PortRef, FragmentId)> + '_ {
+pub(in crate::init) fn looked_at(net: &Net) -> impl Iterator<Item = (PortRef, FragmentId)> + '_ {
     let lenient = net.claims.iter().filter(|claim| !claim.is_strict);
     let keys: BTreeSet<&str> = lenient.map(|claim| claim.key.as_str()).collect();
     let exports = net.exports.iter();
@@ -19,7 +19,7 @@ pub(super) fn looked_at(net: &Net) -> impl Iterator<Item = (PortRef, FragmentId)
 
 /// Returns one warning for each `pre` that claims read before it is initialised. `told` are the delays reported for
 /// other readers.
-pub(super) fn findings(
+pub(in crate::init) fn findings(
     net: &Net,
     rules: &[Rule],
     told: &[NodeId],
@@ -35,8 +35,8 @@ pub(super) fn findings(
     let solution = Solution::new(net, rules, given);
     let mut places: BTreeSet<Span> = BTreeSet::new();
     for (port, from) in looked_at(net) {
-        let roots =
-            (0..PHASES).filter_map(|phase| super::root_of(&solution.seen(port, from, phase).known));
+        let roots = (0..PHASES)
+            .filter_map(|phase| crate::init::root_of(&solution.seen(port, from, phase).known));
         places.extend(roots.map(|root| net.node(root).origin.span));
     }
     let finding = |place: Span| {

@@ -3,14 +3,14 @@
 //! It ignores values and all conditions except `first`, so it over-approximates the
 //! [`Solution`](super::solve::Solution). Only nodes behind a delay are visited, with one byte of state for each node.
 
-use super::phases::{PHASES, PhaseSet};
-use super::rules::{Rule, is_by_first};
-use super::solve::before;
+use crate::init::phases::{PHASES, PhaseSet};
+use crate::init::rules::{Rule, is_by_first};
+use crate::init::solve::before;
 use rpi_net::passes::Users;
 use rpi_net::{FragmentId, Input, Net, NodeId, PortRef};
 
 /// Returns whether one of these flows may be read before it is initialised.
-pub(super) fn doubts(
+pub(in crate::init) fn doubts(
     net: &Net,
     rules: &[Rule],
     mut read: impl Iterator<Item = (PortRef, FragmentId)>,

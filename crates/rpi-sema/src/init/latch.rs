@@ -5,9 +5,9 @@
 //! from the cycle before, for all other nodes from the same cycle. The delays, the held value and the reader must be in
 //! one fragment, so that they share the same cycles and restarts.
 
-use super::known::{Condition, Unless};
-use super::rules::Rule;
-use super::solve::Solution;
+use crate::init::known::{Condition, Unless};
+use crate::init::rules::Rule;
+use crate::init::solve::Solution;
 use rpi_image::{Role, State};
 use rpi_net::{FragmentId, Input, Net, NodeId, PortRef};
 
@@ -18,7 +18,7 @@ const MAX_STEPS: usize = 1000;
 const MAX_DEPTH: usize = 8;
 
 /// Returns whether `unless` holds for a reader in cycles in which all given conditions hold.
-pub(super) fn holds(
+pub(in crate::init) fn holds(
     all: &Solution<'_>,
     reader: NodeId,
     unless: Unless,
@@ -42,7 +42,7 @@ pub(super) fn holds(
 }
 
 /// Returns whether a conditional holds its value otherwise: `c`, a value, and the delay of the conditional itself.
-pub(super) fn keeps_itself(net: &Net, choice: NodeId) -> bool {
+pub(in crate::init) fn keeps_itself(net: &Net, choice: NodeId) -> bool {
     let node = net.node(choice);
     let otherwise = node.inputs.get(2).and_then(Input::port);
     otherwise.is_some_and(|port| {

@@ -1,9 +1,9 @@
 //! Least solution: the abstract value of every flow in every phase.
 
-use super::known::{Condition, Known, Unless};
-use super::phases::{Active, PHASES, PerPhase, PhaseSet, REST, parents};
-use super::rules::{Rule, is_by_first};
 use crate::hash::Set;
+use crate::init::known::{Condition, Known, Unless};
+use crate::init::phases::{Active, PHASES, PerPhase, PhaseSet, REST, parents};
+use crate::init::rules::{Rule, is_by_first};
 use rpi_image::Value;
 use rpi_net::{Activation, FragmentId, Input, Net, NodeId, PortRef, Restart};
 
@@ -11,7 +11,7 @@ use rpi_net::{Activation, FragmentId, Input, Net, NodeId, PortRef, Restart};
 const MAX_IMPLIED: usize = 1000;
 
 /// Abstract values of a net's flows, during and after the iteration.
-pub(super) struct Solution<'n> {
+pub(in crate::init) struct Solution<'n> {
     net: &'n Net,
     known: Vec<PerPhase<Known>>,
     rules: Vec<Rule>,
@@ -24,15 +24,15 @@ pub(super) struct Solution<'n> {
 }
 
 /// Abstract value of a flow for a reader in another fragment.
-pub(super) struct Seen {
-    pub(super) known: Known,
+pub(in crate::init) struct Seen {
+    pub(in crate::init) known: Known,
     /// Activity of the fragments between the reader and the flow.
-    pub(super) there: Active,
+    pub(in crate::init) there: Active,
 }
 
 impl<'n> Solution<'n> {
     /// Solves the equations of all nodes. Conditions in `claims` are taken as true.
-    pub(super) fn new(net: &'n Net, rules: Vec<Rule>, claims: &[PortRef]) -> Self {
+    pub(in crate::init) fn new(net: &'n Net, rules: Vec<Rule>, claims: &[PortRef]) -> Self {
         let mut solution = Solution {
             net,
             known: vec![std::array::from_fn(|_| Known::Never); net.nodes.len()],
@@ -53,8 +53,8 @@ impl<'n> Solution<'n> {
 
     fn solve(&mut self) {
         let net = self.net;
-        let readers = super::order::Readers::new(net);
-        let mut open = super::order::Agenda::all(net);
+        let readers = crate::init::order::Readers::new(net);
+        let mut open = crate::init::order::Agenda::all(net);
         while let Some(id) = open.next() {
             let next: PerPhase<Known> = std::array::from_fn(|phase| {
                 let known = self.of_node(id, phase);
@@ -97,15 +97,15 @@ impl<'n> Solution<'n> {
 
     fn of_node(&self, id: NodeId, phase: usize) -> Known {
         let rule = self.rules[id.index()];
-        super::rules::apply(rule, self, id, phase)
+        crate::init::rules::apply(rule, self, id, phase)
     }
 
-    pub(super) fn net(&self) -> &'n Net {
+    pub(in crate::init) fn net(&self) -> &'n Net {
         self.net
     }
 
     /// Returns the abstract value of a node's input in a phase of the node's fragment.
-    pub(super) fn input(&self, id: NodeId, input: usize, phase: usize) -> Seen {
+    pub(in crate::init) fn input(&self, id: NodeId, input: usize, phase: usize) -> Seen {
         let node = self.net.node(id);
         match &node.inputs[input] {
             Input::Port(port) => self.seen(*port, node.fragment, phase),
@@ -118,7 +118,7 @@ impl<'n> Solution<'n> {
     }
 
     /// Returns the abstract value of a flow for a reader in a phase of fragment `from`.
-    pub(super) fn seen(&self, port: PortRef, from: FragmentId, phase: usize) -> Seen {
+    pub(in crate::init) fn seen(&self, port: PortRef, from: FragmentId, phase: usize) -> Seen {
         let source = self.net.node(port.node).fragment;
         let known = &self.known[port.node.index()];
         if source == from {
@@ -194,7 +194,11 @@ impl<'n> Solution<'n> {
     }
 
     /// Returns the condition under which the fragment of a flow is active, if it is a child of the reader's fragment.
-    pub(super) fn condition_of(&self, port: PortRef, reader: FragmentId) -> Option<Condition> {
+    pub(in crate::init) fn condition_of(
+        &self,
+        port: PortRef,
+        reader: FragmentId,
+    ) -> Option<Condition> {
         let fragment = self.net.fragment(self.net.node(port.node).fragment);
         match fragment.activation {
             Activation::When { condition, .. } if fragment.parent == Some(reader) => {
@@ -205,12 +209,12 @@ impl<'n> Solution<'n> {
     }
 
     /// Returns the rule of a node.
-    pub(super) fn rule_of(&self, id: NodeId) -> Rule {
+    pub(in crate::init) fn rule_of(&self, id: NodeId) -> Rule {
         self.rules[id.index()]
     }
 
     /// Strips the negations from a condition.
-    pub(super) fn plain(&self, port: PortRef, value: bool) -> Condition {
+    pub(in crate::init) fn plain(&self, port: PortRef, value: bool) -> Condition {
         let (mut port, mut value) = (port, value);
         while self.rules[port.node.index()] == Rule::Not {
             let Some(inner) = self.net.node(port.node).inputs[0].port() else {
@@ -222,7 +226,7 @@ impl<'n> Solution<'n> {
     }
 
     /// Returns the conditions that hold if a condition has this value, including itself.
-    pub(super) fn implied(&self, port: PortRef, value: bool) -> Vec<Condition> {
+    pub(in crate::init) fn implied(&self, port: PortRef, value: bool) -> Vec<Condition> {
         let (mut all, mut open) = (Vec::new(), vec![self.plain(port, value)]);
         let mut seen = Set::default();
         while let Some((port, value)) = open.pop() {
@@ -294,7 +298,7 @@ impl Seen {
 }
 
 /// Returns the phases whose last value a delay outputs in a phase.
-pub(super) fn before(phase: usize) -> &'static [usize] {
+pub(in crate::init) fn before(phase: usize) -> &'static [usize] {
     const BEFORE: PerPhase<&[usize]> = [&[], &[0], &[1], &[2], &[REST - 1, REST]];
     BEFORE[phase]
 }

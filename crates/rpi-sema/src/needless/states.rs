@@ -1,7 +1,7 @@
 //! Unreachable states of automata.
 
-use super::{heads, walk};
 use crate::hash::Map;
+use crate::needless::{heads, walk};
 use crate::program::DeclKind;
 use rpi_diag::{Code, Finding};
 use rpi_syntax::ast::{Automaton, State, Visit};
@@ -20,7 +20,7 @@ impl<'a> Visit<'a> for Unreached {
 }
 
 /// Returns a warning for each unreachable state. A state that only follows another unreachable state is not reported.
-pub(super) fn unreached(kind: DeclKind<'_>) -> Vec<Finding> {
+pub(in crate::needless) fn unreached(kind: DeclKind<'_>) -> Vec<Finding> {
     let mut found = Unreached(Vec::new());
     walk(kind, &mut found);
     found.0

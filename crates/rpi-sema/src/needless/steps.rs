@@ -1,13 +1,17 @@
 //! Unreachable steps of tasks.
 
-use super::heads;
+use crate::needless::heads;
 use crate::program::{DeclKind, Lookup, ModuleId, Program};
 use rpi_diag::{Code, Finding, Span};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{Ident, Next, OnResult, Run, Step, StepKind, TaskDecl};
 
 /// Returns a warning for each unreachable step. A step that only follows another unreachable step is not reported.
-pub(super) fn unreached(program: &Program<'_>, module: ModuleId, task: &TaskDecl) -> Vec<Finding> {
+pub(in crate::needless) fn unreached(
+    program: &Program<'_>,
+    module: ModuleId,
+    task: &TaskDecl,
+) -> Vec<Finding> {
     let mut steps = Steps {
         program,
         module,

@@ -1,10 +1,10 @@
 //! Collects the declarations of parsed files into a table.
 
-use super::{
-    Decl, DeclId, DeclKind, Extent, Library, Module, ModuleId, Program, Source, Space, Use,
-};
 use crate::check::{no_module, params};
 use crate::hash::Map;
+use crate::program::{
+    Decl, DeclId, DeclKind, Extent, Library, Module, ModuleId, Program, Source, Space, Use,
+};
 use rpi_diag::{Code, Finding, Span};
 use rpi_syntax::ast::{
     DeclaredKind, Doc, File, Ident, Item, ItemKind, Signature, StaticParam, TypeDef, TypeKind,

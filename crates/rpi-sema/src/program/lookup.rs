@@ -1,6 +1,6 @@
 //! Name lookup in the table of declarations.
 
-use super::{DeclId, DeclKind, Module, ModuleId, Program, Space, Use};
+use crate::program::{DeclId, DeclKind, Module, ModuleId, Program, Space, Use};
 use rpi_diag::{Code, Finding, Fix, Span};
 use rpi_syntax::{Mode, Name};
 

@@ -1,8 +1,8 @@
 //! Table of definitions and references, with its queries.
 
-use super::def::{Def, DefId};
 use crate::hash::Map;
 use crate::program::{Program, Source};
+use crate::query::def::{Def, DefId};
 use rpi_diag::{FileId, Span};
 use rpi_syntax::Name;
 
@@ -17,52 +17,52 @@ pub struct Reference {
 
 /// Index of a scope.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) struct ScopeId(pub(super) u32);
+pub(in crate::query) struct ScopeId(pub(in crate::query) u32);
 
 /// Scope of names.
 #[derive(Debug)]
-pub(super) struct Scope {
+pub(in crate::query) struct Scope {
     /// Source range of the scope; for a module, its whole first file.
-    pub(super) span: Span,
+    pub(in crate::query) span: Span,
     /// Enclosing scope.
-    pub(super) parent: Option<ScopeId>,
+    pub(in crate::query) parent: Option<ScopeId>,
     /// Definition whose inner scope this is.
-    pub(super) owner: Option<DefId>,
+    pub(in crate::query) owner: Option<DefId>,
     /// Definitions of the names in the scope.
-    pub(super) names: Map<Name, DefId>,
+    pub(in crate::query) names: Map<Name, DefId>,
     /// Definitions in text order.
-    pub(super) order: Vec<DefId>,
+    pub(in crate::query) order: Vec<DefId>,
     /// Scopes of the modules that a module uses, for names that no enclosing scope defines.
-    pub(super) uses: Vec<ScopeId>,
+    pub(in crate::query) uses: Vec<ScopeId>,
 }
 
 /// Inner scopes of a definition.
 #[derive(Clone, Copy, Default, Debug)]
-pub(super) struct Inside {
+pub(in crate::query) struct Inside {
     /// Scope that contains the members.
-    pub(super) members: Option<ScopeId>,
+    pub(in crate::query) members: Option<ScopeId>,
     /// Scope that contains the parameters.
-    pub(super) parameters: Option<ScopeId>,
+    pub(in crate::query) parameters: Option<ScopeId>,
 }
 
 /// Every definition and reference of a program.
 #[derive(Debug)]
 pub struct Index {
-    pub(super) defs: Vec<Def>,
+    pub(in crate::query) defs: Vec<Def>,
     /// References in text order.
-    pub(super) references: Vec<Reference>,
-    pub(super) scopes: Vec<Scope>,
+    pub(in crate::query) references: Vec<Reference>,
+    pub(in crate::query) scopes: Vec<Scope>,
     /// Inner scopes of each definition.
-    pub(super) inside: Vec<Inside>,
+    pub(in crate::query) inside: Vec<Inside>,
     /// Scope of the module of each file.
-    pub(super) files: Vec<(FileId, ScopeId)>,
+    pub(in crate::query) files: Vec<(FileId, ScopeId)>,
 }
 
 impl Index {
     /// Builds the table of a program. `sources` must be those from which the program was collected.
     #[must_use]
     pub fn of<'a>(program: &Program<'a>, sources: &[Source<'a>]) -> Index {
-        super::build::build(program, sources)
+        crate::query::build::build(program, sources)
     }
 
     /// Returns the definition with this index.
@@ -165,7 +165,7 @@ impl Index {
         order.iter().copied().filter(is_parameter).collect()
     }
 
-    pub(super) fn inside(&self, def: DefId) -> Inside {
+    pub(in crate::query) fn inside(&self, def: DefId) -> Inside {
         self.inside[def.0 as usize]
     }
 
@@ -178,7 +178,7 @@ impl Index {
     }
 
     /// Returns the definition that has the members: the shape of a value, else the definition itself.
-    pub(super) fn with_members(&self, def: DefId) -> Option<DefId> {
+    pub(in crate::query) fn with_members(&self, def: DefId) -> Option<DefId> {
         let shape = self.def(def).shape;
         shape.or_else(|| (!self.def(def).kind.is_value()).then_some(def))
     }
@@ -188,12 +188,12 @@ impl Index {
         kind.is_some_and(|owner| self.def(id).kind.is_member_of(owner))
     }
 
-    pub(super) fn scope(&self, id: ScopeId) -> &Scope {
+    pub(in crate::query) fn scope(&self, id: ScopeId) -> &Scope {
         &self.scopes[id.0 as usize]
     }
 
     /// Resolves a name in a scope.
-    pub(super) fn lookup(&self, scope: ScopeId, name: &str) -> Option<DefId> {
+    pub(in crate::query) fn lookup(&self, scope: ScopeId, name: &str) -> Option<DefId> {
         let mut scopes = self.chain(Some(scope)).into_iter();
         let plain = scopes.find_map(|id| self.scope(id).names.get(name).copied());
         plain.or_else(|| self.qualified(scope, name))

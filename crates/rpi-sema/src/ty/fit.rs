@@ -1,6 +1,6 @@
 //! Assignability of types, and the join of two types.
 
-use super::{Geometry, Member, StructTy, Ty};
+use crate::ty::{Geometry, Member, StructTy, Ty};
 use crate::units::Dim;
 use rpi_syntax::Name;
 use std::collections::BTreeMap;
@@ -255,7 +255,7 @@ impl Ty {
             }
             Ty::Array(element, n) => Ty::Array(Rc::new(element.substituted(subst)), *n),
             Ty::Tuple(parts) => Ty::Tuple(members(parts).into()),
-            Ty::Struct(s) => Ty::Struct(Rc::new(super::StructTy {
+            Ty::Struct(s) => Ty::Struct(Rc::new(crate::ty::StructTy {
                 name: s.name.clone(),
                 fields: members(&s.fields),
                 defaults: s.defaults.clone(),

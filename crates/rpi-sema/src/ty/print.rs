@@ -1,6 +1,6 @@
 //! Formats types in source syntax.
 
-use super::{Geometry, Member, Ty};
+use crate::ty::{Geometry, Member, Ty};
 use crate::units::Dim;
 use rpi_image::Scalar;
 use std::fmt;

@@ -1,6 +1,6 @@
 //! Subranges of `int`: the range of values that a declaration allows.
 
-use super::{Member, Ty};
+use crate::ty::{Member, Ty};
 use std::fmt;
 use std::rc::Rc;
 

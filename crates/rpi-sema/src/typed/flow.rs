@@ -1,7 +1,7 @@
 //! Flows, with their roles and clocks.
 
-use super::{BlockId, ExprId, FlowId};
 use crate::ty::Ty;
+use crate::typed::{BlockId, ExprId, FlowId};
 use rpi_diag::Span;
 use rpi_syntax::Name;
 

@@ -1,8 +1,8 @@
 //! Traversal of an expression that visits each subexpression once. Names of pattern parts share subexpressions, so the
 //! expanded tree can be exponentially larger than the source.
 
-use super::{Expr, ExprId, Kind, Unit};
 use crate::hash::Set;
+use crate::typed::{Expr, ExprId, Kind, Unit};
 
 /// State of a traversal. A part is returned before its operands, which are visited only if [`enter`](Parts::enter) is
 /// called.

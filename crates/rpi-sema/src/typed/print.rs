@@ -1,6 +1,6 @@
 //! Prints the typed program as text, for tests and debugging.
 
-use super::{Block, BlockId, Equation, ExprId, Kind, Optional, Place, Unit};
+use crate::typed::{Block, BlockId, Equation, ExprId, Kind, Optional, Place, Unit};
 use std::fmt::Write;
 
 /// Formats a unit: its flows with types, and its equations with every operator as a primitive.
@@ -91,7 +91,7 @@ fn expr(unit: &Unit, id: ExprId) -> String {
     }
 }
 
-fn literal(leaf: &super::Leaf) -> String {
+fn literal(leaf: &crate::typed::Leaf) -> String {
     let as_real = leaf.as_real().map(|v| format!("{v:?}"));
     let as_int = || leaf.as_int().map(|v| v.to_string());
     let as_bool = || leaf.as_bool().map(|v| v.to_string());

@@ -1,7 +1,7 @@
 //! Steps of tasks.
 
-use super::{ExprId, FlowId, UnitId};
 use crate::program::DeclId;
+use crate::typed::{ExprId, FlowId, UnitId};
 use rpi_diag::Span;
 
 /// Step of a task: the command or task that it runs, with arguments.

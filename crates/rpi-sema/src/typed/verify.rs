@@ -1,6 +1,6 @@
 //! Invariants of typed units, checked after each pass in tests and debug builds.
 
-use super::{Equation, ExprId, Kind, Place, Unit, UnitId};
+use crate::typed::{Equation, ExprId, Kind, Place, Unit, UnitId};
 
 /// Checks the invariants of a unit of a program with `units` units.
 ///

@@ -1,6 +1,6 @@
 //! Dimensions: products of rational powers of the base dimensions.
 
-use super::Ratio;
+use crate::units::Ratio;
 use std::fmt;
 
 /// Base dimension, named after its quantity.

@@ -1,7 +1,7 @@
 //! Resolves a unit in the source to a dimension and a factor.
 
-use super::table::{Factor, OTHERWISE, PREFIXES, UNITS, UnitRow};
-use super::{Dim, Ratio};
+use crate::units::table::{Factor, OTHERWISE, PREFIXES, UNITS, UnitRow};
+use crate::units::{Dim, Ratio};
 use rpi_diag::{Span, suggest};
 use rpi_syntax::ast::{Unit, UnitFactor};
 

@@ -9,31 +9,33 @@
 //! | `order.rs` | first and last steps of a list |
 //! | `parallel.rs` | parallel branches must drive different devices |
 
-mod handing;
-mod order;
+pub(crate) mod handover;
 mod parallel;
 mod results;
+pub(crate) mod sequence;
 mod takeover;
 
-pub(super) use parallel::Uses;
+pub(crate) use parallel::Uses;
 
-use super::args;
-use super::body::Body;
-use super::call;
-use super::call::Fitted;
-use super::consts;
-use super::expr;
-use super::phrases;
-use super::report;
-use super::report::{Wanted, not_a, unknown};
-use super::statement;
-use super::statics;
-use super::unit;
+use crate::check::bodies::body::Body;
+use crate::check::bodies::statement;
+use crate::check::calls::args;
+use crate::check::calls::call;
+use crate::check::calls::call::Fitted;
+use crate::check::diagnostics::foreign_idioms;
+use crate::check::diagnostics::report;
+use crate::check::diagnostics::report::Wanted;
+use crate::check::diagnostics::report::not_a;
+use crate::check::diagnostics::report::unknown;
+use crate::check::exprs::expr;
+use crate::check::signatures::static_args;
+use crate::check::signatures::unit;
+use crate::check::task::handover::{Before, Follows};
+use crate::check::task::sequence::{entry_of, first_of, lasts, run_of};
+use crate::check::types::consts;
 use crate::program::{DeclId, DeclKind, Lookup, twice};
 use crate::ty::Ty;
 use crate::typed::{ExprId, TaskStep};
-use handing::{Before, Follows};
-use order::{entry_of, first_of, lasts, run_of};
 use rpi_diag::{Code, Finding};
 use rpi_syntax::ast::{Expr, Ident, Next, Run, Step, StepKind, Strand, TaskDecl};
 
@@ -58,12 +60,12 @@ impl<'a> Then<'a> {
 }
 
 /// Checks a task.
-pub(super) fn check_task<'a>(cx: &mut Body<'_, 'a>, task: &'a TaskDecl) {
+pub(crate) fn check_task<'a>(cx: &mut Body<'_, 'a>, task: &'a TaskDecl) {
     let first = first_of(&task.steps).into_iter();
     let mut follows: Vec<Follows<'a>> = first.map(|run| (Before::Nothing, run)).collect();
     let nothing = Then::default();
     check_steps(cx, &task.steps, &nothing, &mut Labels::new(), &mut follows);
-    handing::check_handover(cx, &follows);
+    crate::check::task::handover::check_handover(cx, &follows);
     parallel::check_parallel_devices(cx, task);
 }
 
@@ -96,7 +98,7 @@ fn check_steps<'a>(
         match &step.kind {
             StepKind::Run(run) => {
                 check_run(cx, run, &next.runs, labels);
-                follows.extend(handing::followers(run, &next, labels));
+                follows.extend(crate::check::task::handover::followers(run, &next, labels));
             }
             StepKind::Repeat { count, steps } => {
                 check_repeat_count(cx, count.as_ref());
@@ -218,7 +220,7 @@ fn resolve_run<'a>(cx: &mut Body<'_, 'a>, run: &'a Run) -> Option<DeclId> {
         let finding = unknown("command or task", &name.name, name.span, near);
         report::report_diagnostic(
             cx,
-            match phrases::of_step(&name.name) {
+            match foreign_idioms::of_step(&name.name) {
                 Some(help) => finding.help(help),
                 None => finding,
             },
@@ -239,7 +241,7 @@ fn resolve_run<'a>(cx: &mut Body<'_, 'a>, run: &'a Run) -> Option<DeclId> {
 
 /// Checks the arguments of a step, and adds the step to the unit.
 fn check_run_arguments<'a>(cx: &mut Body<'_, 'a>, id: DeclId, run: &'a Run) {
-    let bound = statics::bind_statics(cx, id, &run.callee.statics);
+    let bound = static_args::bind_statics(cx, id, &run.callee.statics);
     let (mut given, all_named) = args::check_args_for(cx, id, &run.args.iter().collect::<Vec<_>>());
     given.extend(bound.ports);
     if bound.faulty || !all_named {

@@ -3,13 +3,13 @@
 //! Devices are tracked by name, through the arguments of commands and of the tasks that steps run. Two names are two
 //! devices, unless a task gets one device for two of its parameters, which is checked where the task is run.
 
-use super::super::report;
+use crate::check::diagnostics::report;
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
-use super::takeover::driven;
-use crate::check::body::Body;
-use crate::check::names::plain_name;
+use crate::check::bodies::body::Body;
+use crate::check::exprs::names::plain_name;
+use crate::check::task::takeover::driven;
 use crate::elab::MAX_TASKS_IN_A_ROW;
 use crate::hash::Map;
 use crate::program::{DeclId, DeclKind, Lookup, ModuleId, Program};
@@ -19,7 +19,7 @@ use rpi_syntax::ast::{Arg, Run, Step, StepKind, TaskDecl, VarDecl};
 
 /// Devices that steps drive, by their names in the task of these steps.
 #[derive(Clone, Default)]
-pub(in crate::check) struct Uses {
+pub(crate) struct Uses {
     /// Driven devices, each with the location of its first use.
     drives: BTreeMap<Name, Span>,
     /// Pairs of names that are driven at the same time.
@@ -39,7 +39,7 @@ struct Clash {
 }
 
 /// Checks that parallel branches drive different devices.
-pub(super) fn check_parallel_devices(cx: &mut Body<'_, '_>, task: &TaskDecl) {
+pub(in crate::check::task) fn check_parallel_devices(cx: &mut Body<'_, '_>, task: &TaskDecl) {
     let mut looked = Looked {
         program: cx.c.program,
         known: &mut cx.c.task_uses,

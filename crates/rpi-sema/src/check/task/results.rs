@@ -1,15 +1,16 @@
 //! Results of commands: every result that a branch names must exist, and every result must lead somewhere.
 
-use super::super::report;
-use crate::check::body::Body;
-use crate::check::names::ends_of;
-use crate::check::report::{listed, no_member};
+use crate::check::bodies::body::Body;
+use crate::check::diagnostics::report;
+use crate::check::diagnostics::report::listed;
+use crate::check::diagnostics::report::no_member;
+use crate::check::exprs::names::ends_of;
 use rpi_diag::{Code, Finding, Fix};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{self, CommandDecl, EndKind, Ident, OnResult, Run};
 
 /// Reports branches that name a result of a task, which has no named results.
-pub(super) fn report_task_results(cx: &mut Body<'_, '_>, run: &Run) {
+pub(in crate::check::task) fn report_task_results(cx: &mut Body<'_, '_>, run: &Run) {
     let of = format!("the task `{}`", run.callee.name.name);
     for result in run.branches.iter().flat_map(|branch| &branch.on) {
         if let OnResult::Named(name) = result {
@@ -21,7 +22,11 @@ pub(super) fn report_task_results(cx: &mut Body<'_, '_>, run: &Run) {
 }
 
 /// Checks that the branches of a step name results of the command, and that every result leads somewhere.
-pub(super) fn check_branches(cx: &mut Body<'_, '_>, command: &CommandDecl, run: &Run) {
+pub(in crate::check::task) fn check_branches(
+    cx: &mut Body<'_, '_>,
+    command: &CommandDecl,
+    run: &Run,
+) {
     let ends = ends_of(command);
     let mut named: Vec<&Ident> = Vec::new();
     let mut any = run.branches.is_empty();

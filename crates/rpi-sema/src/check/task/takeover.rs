@@ -1,12 +1,13 @@
 //! Takeover: the successor of a command takes over the devices that the command may leave moving.
 
-use super::super::report;
-use super::super::task::handing;
-use super::super::unit;
-use super::Labels;
-use crate::check::body::Body;
-use crate::check::names::{ends_of, plain_name};
-use crate::check::report::listed;
+use crate::check::bodies::body::Body;
+use crate::check::diagnostics::report;
+use crate::check::diagnostics::report::listed;
+use crate::check::exprs::names::ends_of;
+use crate::check::exprs::names::plain_name;
+use crate::check::signatures::unit;
+use crate::check::task::Labels;
+use crate::check::task::handover;
 use crate::program::{DeclKind, Lookup};
 use crate::ty::Ty;
 use crate::typed::Place;
@@ -17,7 +18,7 @@ use rpi_syntax::ast::{
 };
 
 /// Checks that the successors of a `yield` take over every device that may still be moving.
-pub(super) fn check_successors<'a>(
+pub(in crate::check::task) fn check_successors<'a>(
     cx: &mut Body<'_, 'a>,
     command: &CommandDecl,
     run: &'a Run,
@@ -49,7 +50,7 @@ pub(super) fn check_successors<'a>(
 
 /// Returns the parameters of a command through which it writes values that can move a device.
 fn moved_params(cx: &mut Body<'_, '_>, run: &Run) -> Vec<Name> {
-    let Some(unit) = handing::command_of(cx, run) else {
+    let Some(unit) = handover::command_of(cx, run) else {
         return Vec::new();
     };
     unit::check_unit_now(cx.c, unit);
@@ -113,7 +114,7 @@ fn target<'a>(run: &'a Run, result: &Name, next: &[&'a Run], labels: &Labels<'a>
 }
 
 /// Returns the parameters of a command through which it writes to devices.
-pub(super) fn driven(command: &CommandDecl) -> Vec<&Name> {
+pub(in crate::check::task) fn driven(command: &CommandDecl) -> Vec<&Name> {
     let mut written = Vec::new();
     targets(&command.body.statements, &mut written);
     let params = command.params.iter().flat_map(|param| &param.names);

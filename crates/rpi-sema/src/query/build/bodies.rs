@@ -1,7 +1,7 @@
 //! Definitions and references in bodies: locals, equations, fragments in place and automata.
 
-use super::{At, Body, Builder, DefId, DefKind, Ident, Mode, Origin, ScopeId, Work};
 use crate::hash::Map;
+use crate::query::build::{At, Body, Builder, DefId, DefKind, Ident, Mode, Origin, ScopeId, Work};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{
     Automaton, Equation, FragmentDecl, Locals, Meaning, State, Statement, StatementKind, Target,
@@ -9,7 +9,7 @@ use rpi_syntax::ast::{
 };
 
 impl<'a> Builder<'a> {
-    pub(super) fn body(&mut self, scope: ScopeId, body: &'a Body) {
+    pub(in crate::query::build) fn body(&mut self, scope: ScopeId, body: &'a Body) {
         let whole = self.index.scope(scope).span;
         self.locals(scope, whole, &body.locals);
         for statement in &body.statements {

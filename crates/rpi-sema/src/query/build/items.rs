@@ -1,7 +1,7 @@
 //! Definitions at the top level of a file, with their parameters and ports.
 
-use super::{At, Body, Builder, DefId, DefKind, Ident, Origin, ScopeId, Work};
 use crate::program::Source;
+use crate::query::build::{At, Body, Builder, DefId, DefKind, Ident, Origin, ScopeId, Work};
 use rpi_syntax::ast::{
     Claim, ConstDef, Contract, DeclaredKind, DeviceDecl, FragmentDecl, FrameDecl, Item, ItemKind,
     Locals, NodeDecl, NodeDef, NodeKind, Signature, StaticParam, StaticParamKind, Step, StepKind,
@@ -9,7 +9,7 @@ use rpi_syntax::ast::{
 };
 
 impl<'a> Builder<'a> {
-    pub(super) fn items(&mut self, source: &Source<'a>, scope: ScopeId) {
+    pub(in crate::query::build) fn items(&mut self, source: &Source<'a>, scope: ScopeId) {
         for file in &source.files {
             self.mode = file.mode;
             for item in &file.items {
@@ -77,7 +77,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    pub(super) fn constant(&mut self, at: At<'a>, def: &'a ConstDef) {
+    pub(in crate::query::build) fn constant(&mut self, at: At<'a>, def: &'a ConstDef) {
         self.constants(at.within(def.span, def.doc.as_ref()), def, DefKind::Const);
     }
 
@@ -269,7 +269,12 @@ impl<'a> Builder<'a> {
     }
 
     /// Defines ports, parameters or fields.
-    pub(super) fn vars(&mut self, scope: ScopeId, decls: &'a [VarDecl], kind: DefKind) {
+    pub(in crate::query::build) fn vars(
+        &mut self,
+        scope: ScopeId,
+        decls: &'a [VarDecl],
+        kind: DefKind,
+    ) {
         for decl in decls {
             let at = At {
                 scope,
@@ -288,7 +293,11 @@ impl<'a> Builder<'a> {
         }
     }
 
-    pub(super) fn contract(&mut self, scope: ScopeId, contract: Option<&'a Contract>) {
+    pub(in crate::query::build) fn contract(
+        &mut self,
+        scope: ScopeId,
+        contract: Option<&'a Contract>,
+    ) {
         let Some(contract) = contract else {
             return;
         };
@@ -304,7 +313,12 @@ impl<'a> Builder<'a> {
         self.exprs(scope, contract.imports.iter().map(|import| &import.call));
     }
 
-    pub(super) fn locals(&mut self, scope: ScopeId, whole: rpi_diag::Span, all: &'a [Locals]) {
+    pub(in crate::query::build) fn locals(
+        &mut self,
+        scope: ScopeId,
+        whole: rpi_diag::Span,
+        all: &'a [Locals],
+    ) {
         let at = At {
             scope,
             whole,

@@ -10,17 +10,17 @@ mod items;
 mod refs;
 mod shapes;
 
-use super::def::{Def, DefId, DefKind};
-use super::index::{Index, Inside, Reference, Scope, ScopeId};
 use crate::hash::Map;
 use crate::program::{ModuleId, Program, Source};
+use crate::query::def::{Def, DefId, DefKind};
+use crate::query::index::{Index, Inside, Reference, Scope, ScopeId};
 use rpi_diag::{FileId, Span};
 use rpi_syntax::Mode;
 use rpi_syntax::ast::{Body, Callee, Clock, Doc, Dotted, Expr, Ident, Run, Target, Type, Update};
 use shapes::Shapes;
 
 /// Builds the table of a program.
-pub(super) fn build<'a>(program: &Program<'a>, sources: &[Source<'a>]) -> Index {
+pub(in crate::query) fn build<'a>(program: &Program<'a>, sources: &[Source<'a>]) -> Index {
     let mut builder = Builder::new();
     let scopes: Vec<ScopeId> = sources
         .iter()

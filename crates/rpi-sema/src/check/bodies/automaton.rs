@@ -1,0 +1,362 @@
+//! Automata. Each state is a block. A flow that several states define belongs to the block around the automaton.
+//!
+//! If states define a flow that is not declared around the automaton, the automaton declares it. Outside, its value is
+//! that of the active state; it is absent if that state does not define it.
+
+use crate::check::bodies::body::Body;
+use crate::check::bodies::defaults;
+use crate::check::bodies::locals;
+use crate::check::bodies::locals::Local;
+use crate::check::bodies::statement;
+use crate::check::bodies::statement::Later;
+use crate::check::diagnostics::report;
+use crate::check::diagnostics::undefined_names;
+use crate::hash::{Map, Set};
+use crate::program::twice;
+use crate::typed::{Automaton, BlockId, FlowId, FlowRole, Optional, Shared, State, Transition};
+use rpi_diag::{Code, Finding, Span};
+use rpi_syntax::Name;
+use rpi_syntax::ast::{self, Ident, StatementKind};
+
+/// An automaton with the index of each state by name.
+type States<'a, 'm> = (&'a ast::Automaton, &'m Map<Name, u32>);
+
+/// Maximum number of states recorded, for messages, as not defining a shared flow. The product of states and flows
+/// could be large.
+const MISSING: usize = 8;
+
+/// Declares the states of an automaton, their bodies, and the flows that they share.
+pub(crate) fn declare_automaton<'a>(
+    cx: &mut Body<'_, 'a>,
+    automaton: &'a ast::Automaton,
+    span: Span,
+    later: &mut Vec<(BlockId, Later<'a>)>,
+) {
+    cx.has_state(span);
+    let mut states = Vec::new();
+    report_duplicate_states(cx, automaton);
+    for state in &automaton.states {
+        let block = locals::add_block(cx, &state.name.name, state.name.span);
+        locals::declare_state_name(cx, &state.name, block);
+        states.push(State {
+            block,
+            unless: Vec::new(),
+            until: Vec::new(),
+        });
+    }
+    let index = cx.current().automata.len();
+    let (shared, places) = declare_shared_flows(cx, automaton);
+    cx.current().automata.push(Automaton {
+        states: states.clone(),
+        initial: initial(automaton),
+        shared,
+        span,
+    });
+    for (state, ast) in states.iter().zip(&automaton.states) {
+        declare_state_flows(cx, index, state.block, ast, &places);
+        cx.within(state.block, |body| {
+            statement::declare_body(body, &ast.body, later)
+        });
+    }
+    let active = states.iter().zip(&automaton.states);
+    let active = active.filter(|(_, ast)| !is_only_passed(automaton, ast));
+    let active: Vec<BlockId> = active.map(|(state, _)| state.block).collect();
+    for place in 0..places.len() {
+        let block = &cx.unit.blocks[cx.block.0 as usize];
+        let inner = &block.automata[index].shared[place].states;
+        let defining = inner.iter().map(|flow| cx.unit.flow(*flow).block);
+        let mut defining: Vec<BlockId> = defining.collect();
+        defining.sort_unstable();
+        let is_missing = |state: &&BlockId| defining.binary_search(state).is_err();
+        let missing = active.iter().filter(is_missing).take(MISSING);
+        cx.current().automata[index].shared[place].missing = missing.copied().collect();
+    }
+    later.push((cx.block, Later::Automaton(index, automaton)));
+}
+
+/// Returns the outer flow for each name that states define and do not declare (M14.4), in text order, and its index
+/// by name.
+fn declare_shared_flows<'a>(
+    cx: &mut Body<'_, 'a>,
+    automaton: &'a ast::Automaton,
+) -> (Vec<Shared>, Map<Name, usize>) {
+    let (mut flows, mut places) = (Vec::new(), Map::default());
+    for name in candidates(automaton) {
+        let flow = match locals::find_in_block(cx, cx.block, &name.name) {
+            Some(Local::Flow(flow)) if cx.unit.flow(flow).role.has_equation() => flow,
+            // A name that no equation may define, such as an in-port, cannot be defined in a state either.
+            Some(_) => continue,
+            None => {
+                statement::report_constant_redefinition(cx, name);
+                locals::introduce_flow(cx, name)
+            }
+        };
+        places.insert(name.name.clone(), flows.len());
+        flows.push(Shared {
+            flow,
+            states: Vec::new(),
+            missing: Vec::new(),
+            default: defaults::shared_flow_default(cx, flow),
+        });
+    }
+    (flows, places)
+}
+
+/// Declares the local version of each shared flow that a state defines.
+fn declare_state_flows<'a>(
+    cx: &mut Body<'_, 'a>,
+    index: usize,
+    block: BlockId,
+    state: &'a ast::State,
+    places: &Map<Name, usize>,
+) {
+    for name in all_defined_names(state) {
+        let Some(&place) = places.get(&name.name) else {
+            continue;
+        };
+        if locals::find_in_block(cx, block, &name.name).is_some() {
+            continue;
+        }
+        let outer = cx.current().automata[index].shared[place].flow;
+        let inner = cx.within(block, |body| {
+            let inner = add_contribution(body, name, outer);
+            locals::declare(body, name, Local::Flow(inner));
+            inner
+        });
+        cx.current().automata[index].shared[place]
+            .states
+            .push(inner);
+    }
+}
+
+/// Adds the flow of the current block that contributes to the shared flow `outer`. If `outer` is declared `T?`, it
+/// may be absent because of other states, so that the absence of this flow is inferred from its own equation.
+pub(crate) fn add_contribution(cx: &mut Body<'_, '_>, name: &Ident, outer: FlowId) -> FlowId {
+    let shared = cx.unit.flow(outer);
+    let optional = match shared.optional {
+        Optional::Declared(false) if !shared.ty.is_unknown() => shared.optional,
+        _ => Optional::Inferred,
+    };
+    let ty = shared.ty.clone();
+    let version = locals::add_flow(cx, name, ty, optional, FlowRole::Local);
+    cx.shares.insert(version, outer);
+    cx.versions.entry(outer).or_default().push(version);
+    version
+}
+
+/// Returns the outer flows that a state's flow contributes to, innermost first.
+pub(crate) fn enclosing_shared_flows<'s>(
+    cx: &'s Body<'_, '_>,
+    flow: FlowId,
+) -> impl Iterator<Item = FlowId> + 's {
+    let outer = |flow: &FlowId| cx.shares.get(flow).copied();
+    std::iter::successors(outer(&flow), outer)
+}
+
+/// Checks the transitions of an automaton, each in its state.
+pub(crate) fn check_automaton<'a>(
+    cx: &mut Body<'_, 'a>,
+    index: usize,
+    automaton: &'a ast::Automaton,
+) {
+    let states = cx.current().automata[index].states.clone();
+    let names = automaton.states.iter().map(|state| state.name.name.clone());
+    let mut places: Map<Name, u32> = Map::default();
+    for (k, name) in (0..).zip(names) {
+        places.entry(name).or_insert(k);
+    }
+    for (k, (state, ast)) in states.iter().zip(&automaton.states).enumerate() {
+        let unless = check_transitions(cx, (automaton, &places), state.block, &ast.unless, true);
+        let until = check_transitions(cx, (automaton, &places), state.block, &ast.until, false);
+        let state = &mut cx.current().automata[index].states[k];
+        state.unless = unless;
+        state.until = until;
+    }
+    check_initial_state(cx, automaton);
+}
+
+fn check_transitions<'a>(
+    cx: &mut Body<'_, 'a>,
+    states: States<'a, '_>,
+    block: BlockId,
+    transitions: &'a [ast::Transition],
+    strong: bool,
+) -> Vec<Transition> {
+    let mut checked = Vec::new();
+    for transition in transitions {
+        // A strong condition (`unless`) is evaluated before the state runs, so that it cannot read the state's own
+        // flows.
+        let place = if strong { cx.block } else { block };
+        let condition = transition.condition.as_ref();
+        let condition = condition.map(|c| {
+            cx.within(place, |body| {
+                statement::check_condition(body, c, "a transition")
+            })
+        });
+        if let Some(target) = resolve_target_state(cx, states, &transition.target) {
+            checked.push(Transition {
+                condition,
+                resumes: transition.resumes,
+                target,
+                span: transition.span,
+            });
+        }
+    }
+    checked
+}
+
+/// Returns the index of the target state of a transition; reports an undefined state.
+fn resolve_target_state<'a>(
+    cx: &mut Body<'_, 'a>,
+    (automaton, places): States<'a, '_>,
+    target: &Ident,
+) -> Option<u32> {
+    let index = places.get(&target.name).copied();
+    if index.is_none() {
+        let names = automaton
+            .states
+            .iter()
+            .map(|state| state.name.name.as_str());
+        let finding = match state_in_other_automaton(cx, &target.name) {
+            Some(place) => undefined_names::state_elsewhere(target, place),
+            None => {
+                let near = cx.c.suggest(&target.name, names);
+                undefined_names::unknown_state(target, near)
+            }
+        };
+        report::report_diagnostic(cx, finding);
+    }
+    index
+}
+
+/// Returns where a state of another automaton in an enclosing block is declared.
+fn state_in_other_automaton(cx: &Body<'_, '_>, name: &Name) -> Option<Span> {
+    match locals::find_local(cx, name)? {
+        Local::State(block) => Some(cx.unit.block(block).span),
+        Local::States([first, _], _) => Some(first),
+        _ => None,
+    }
+}
+
+/// Whether a block is a state of an automaton.
+pub(crate) fn is_state(cx: &Body<'_, '_>, block: BlockId) -> bool {
+    let around = cx.unit.block(block).parent.map(|id| cx.unit.block(id));
+    let automata = around.into_iter().flat_map(|around| &around.automata);
+    let mut states = automata.flat_map(|automaton| &automaton.states);
+    states.any(|state| state.block == block)
+}
+
+/// Reports states with the same name.
+fn report_duplicate_states(cx: &mut Body<'_, '_>, automaton: &ast::Automaton) {
+    let mut known: Map<&Name, Span> = Map::default();
+    for Ident { name, span } in automaton.states.iter().map(|state| &state.name) {
+        if let Some(first) = known.get(name) {
+            report::report_diagnostic(cx, twice(name, *span, *first));
+        }
+        known.entry(name).or_insert(*span);
+    }
+}
+
+/// Reports an automaton without an initial state or with several.
+fn check_initial_state(cx: &mut Body<'_, '_>, automaton: &ast::Automaton) {
+    let mut initial = automaton.states.iter().filter(|state| state.initial);
+    let finding = match (initial.next(), initial.next()) {
+        (Some(_), None) => return,
+        (Some(first), Some(second)) => Finding::new(
+            Code::RPI3006,
+            "an automaton must have exactly one initial state",
+        )
+        .at(second.name.span, "second initial state")
+        .also(first.name.span, "first initial state"),
+        (None, _) => Finding::new(Code::RPI3006, "the automaton has no initial state")
+            .at(automaton.states[0].name.span, "first state")
+            .help("mark one state as initial: `initial state`"),
+    };
+    report::report_diagnostic(cx, finding);
+}
+
+/// Whether a state is never active: an unconditional strong transition leaves it before it runs, and no strong
+/// transition enters it.
+fn is_only_passed(automaton: &ast::Automaton, state: &ast::State) -> bool {
+    let mut strong = automaton.states.iter().flat_map(|other| &other.unless);
+    let is_left = state.unless.iter().any(|one| one.condition.is_none());
+    is_left
+        && !strong.any(|one| one.target.name == state.name.name)
+        && state.body.statements.is_empty()
+}
+
+/// Returns the index of the initial state; 0 if there is none.
+fn initial(automaton: &ast::Automaton) -> u32 {
+    let index = automaton.states.iter().position(|state| state.initial);
+    index.and_then(|k| u32::try_from(k).ok()).unwrap_or(0)
+}
+
+/// Returns the names that states define and do not declare, including automata inside of states; each name once, in
+/// text order.
+pub(crate) fn candidates(automaton: &ast::Automaton) -> Vec<&Ident> {
+    let mut known: Set<&Name> = Set::default();
+    let names = automaton.states.iter().flat_map(all_defined_names);
+    names.filter(|name| known.insert(&name.name)).collect()
+}
+
+/// Returns the names that the equations of a state, or of automata inside of it, define and that the state does not
+/// declare.
+fn all_defined_names(state: &ast::State) -> Vec<&Ident> {
+    let mut names = defined_names(state);
+    names.extend(defined_by_automata(state));
+    names
+}
+
+/// Returns the names that automata inside of a state define and that the state does not declare.
+fn defined_by_automata(state: &ast::State) -> Vec<&Ident> {
+    let declared = declared_names(state);
+    let automata = state.body.statements.iter().filter_map(|s| match &s.kind {
+        StatementKind::Automaton(automaton) => Some(automaton),
+        _ => None,
+    });
+    let states = automata.flat_map(|automaton| &automaton.states);
+    states
+        .flat_map(all_defined_names)
+        .filter(|name| !declared.contains_key(&name.name))
+        .collect()
+}
+
+/// Returns the names that the equations of a state define as a whole and that the state does not declare.
+fn defined_names(state: &ast::State) -> Vec<&Ident> {
+    let declared = declared_names(state);
+    let equations = state.body.statements.iter().filter_map(|s| match &s.kind {
+        StatementKind::Equation(equation) => Some(equation),
+        _ => None,
+    });
+    let plain = equations
+        .flat_map(|equation| &equation.targets)
+        .filter(|target| target.path.is_empty());
+    plain
+        .map(|target| &target.name)
+        .filter(|name| !declared.contains_key(&name.name))
+        .collect()
+}
+
+/// Returns the names that a state declares.
+fn declared_names(state: &ast::State) -> Map<&Name, ()> {
+    let mut declared: Map<&Name, ()> = Map::default();
+    for section in &state.body.locals {
+        match section {
+            ast::Locals::Var(vars) => {
+                declared.extend(
+                    vars.iter()
+                        .flat_map(|var| &var.names)
+                        .map(|n| (&n.name, ())),
+                );
+            }
+            ast::Locals::Const(defs) => {
+                declared.extend(
+                    defs.iter()
+                        .flat_map(|def| &def.names)
+                        .map(|n| (&n.name, ())),
+                );
+            }
+        }
+    }
+    declared
+}

@@ -1,0 +1,232 @@
+//! Contracts: assumptions that the caller must satisfy, guarantees that the body must satisfy, and modes.
+//!
+//! A contract is a block inside the body that it describes. Nothing outside of it reads its names, so that it can be
+//! omitted as a whole. The `ensure` of a mode becomes a guarantee under the condition of the mode's `require`; in every
+//! cycle at least one mode must apply.
+
+use crate::check::bodies::body::Body;
+use crate::check::bodies::locals;
+use crate::check::bodies::statement;
+use crate::check::diagnostics::report;
+use crate::check::exprs::bindings::Unwatched;
+use crate::check::exprs::ops;
+use crate::check::signatures::imported;
+use crate::ty::Ty;
+use crate::typed::{BlockId, Claim, ClaimKind, ExprId, FlowRole, Kind, Leaf};
+use rpi_diag::{Code, Finding, Span};
+use rpi_syntax::Name;
+use rpi_syntax::ast::{self, Contract, ContractMode, Locals};
+use rpi_syntax::ops::BinaryOp;
+
+/// Declares the names of a contract of the current block and returns its block.
+pub(crate) fn declare_contract<'a>(cx: &mut Body<'_, 'a>, contract: &'a Contract) -> BlockId {
+    let block = locals::add_block(cx, &Name::from("contract"), contract.span);
+    cx.unit.blocks[block.0 as usize].is_contract = true;
+    cx.within(block, |body| {
+        for section in &contract.locals {
+            match section {
+                Locals::Var(vars) => vars.iter().for_each(|var| {
+                    var.names
+                        .iter()
+                        .for_each(|name| report_hidden_ports(body, name));
+                    statement::declare_var(body, var);
+                }),
+                Locals::Const(defs) => defs
+                    .iter()
+                    .for_each(|def| statement::declare_const(body, def)),
+            }
+        }
+        for together in &contract.together {
+            together
+                .vars
+                .iter()
+                .for_each(|var| statement::declare_var(body, var));
+            statement::declare_equation(body, &together.equation, together.span);
+        }
+        declare_modes(body, contract);
+        imported::declare_imports(body, contract);
+    });
+    block
+}
+
+/// Reports a local name of a contract that is also the name of a port: the port would be hidden from the claims.
+fn report_hidden_ports(cx: &mut Body<'_, '_>, name: &ast::Ident) {
+    let is_twice_here = locals::find_in_block(cx, cx.block, &name.name).is_some();
+    if let Some(port) = port_span(cx, &name.name).filter(|_| !is_twice_here) {
+        let finding = crate::program::twice(&name.name, name.span, port);
+        report::report_diagnostic(cx, finding);
+    }
+}
+
+/// Returns the location of the flow around a contract that has this name. The in-ports of a declared contract do
+/// not count, as they belong to the importing node.
+fn port_span(cx: &Body<'_, '_>, name: &Name) -> Option<Span> {
+    let flow = cx.local_flow(name).map(|flow| cx.unit.flow(flow));
+    let flow = flow.filter(|flow| !cx.is_contract || flow.role != FlowRole::Input);
+    flow.map(|flow| flow.span)
+}
+
+/// Records the modes of a contract; reports a mode with the name of another mode or of a flow.
+fn declare_modes<'a>(cx: &mut Body<'_, 'a>, contract: &'a Contract) {
+    for (k, mode) in contract.modes.iter().enumerate() {
+        let name = &mode.name;
+        let twin = contract.modes[..k]
+            .iter()
+            .find(|m| m.name.name == name.name);
+        let flow = port_span(cx, &name.name);
+        if let Some(first) = twin.map(|twin| twin.name.span).or(flow) {
+            let finding = crate::program::twice(&name.name, name.span, first);
+            report::report_diagnostic(cx, finding);
+        }
+    }
+    cx.modes = contract.modes.iter().collect();
+}
+
+/// Checks `::m`, whether a mode of the contract applies, or `::c::m` for a mode of an imported contract.
+pub(crate) fn mode_condition(cx: &mut Body<'_, '_>, name: &str, span: Span) -> ExprId {
+    if let Some((contract, mode)) = name.split_once("::") {
+        return imported::imported_mode_condition(cx, contract, mode, span);
+    }
+    let Some(mode) = cx
+        .modes
+        .iter()
+        .copied()
+        .find(|mode| mode.name.name == *name)
+    else {
+        let near = rpi_diag::suggest(name, cx.modes.iter().map(|mode| mode.name.name.as_str()));
+        let finding = crate::check::diagnostics::report::unknown("mode", name, span, near);
+        return cx.fault_with(finding, span);
+    };
+    if cx.open_modes.contains(&mode.name.name) {
+        if std::mem::replace(&mut cx.ringed_modes, true) {
+            return cx.fault(span);
+        }
+        let message = format!("dependency cycle: the mode `{name}` depends on itself");
+        let finding = Finding::new(Code::RPI1007, message)
+            .at(span, format!("the condition of `{name}` reads it"))
+            .also(mode.name.span, "declared here");
+        return cx.fault_with(finding, span);
+    }
+    cx.open_modes.push(mode.name.name.clone());
+    let applies = requirement_condition(cx, mode);
+    cx.open_modes.pop();
+    applies
+}
+
+/// Returns the condition under which a mode applies: the conjunction of its requirements.
+fn requirement_condition<'a>(cx: &mut Body<'_, 'a>, mode: &'a ContractMode) -> ExprId {
+    let requires = mode.requires.iter();
+    let requires = requires
+        .map(|claim| statement::check_condition(cx, &claim.condition, "a claim"))
+        .collect();
+    join_conditions(cx, BinaryOp::And, requires, mode.name.span)
+}
+
+/// Checks the claims and modes of a contract in its block.
+pub(crate) fn check_contract<'a>(cx: &mut Body<'_, 'a>, contract: &'a Contract) {
+    for claim in &contract.claims {
+        check_claim(cx, claim, claim.condition.span);
+    }
+    let modes = contract.modes.iter();
+    let applies: Vec<ExprId> = modes.map(|mode| check_mode(cx, mode)).collect();
+    let (Some(first), Some(last)) = (contract.modes.first(), contract.modes.last()) else {
+        return;
+    };
+    let span = Span {
+        end: last.name.span.end,
+        ..first.name.span
+    };
+    cx.applies.clone_from(&applies);
+    let condition = join_conditions(cx, BinaryOp::Or, applies, span);
+    cx.current().claims.push(Claim {
+        kind: ClaimKind::Modes,
+        condition,
+        mode: None,
+        label: None,
+        span,
+    });
+}
+
+/// Checks a mode and returns the condition under which it applies.
+fn check_mode<'a>(cx: &mut Body<'_, 'a>, mode: &'a ContractMode) -> ExprId {
+    cx.open_modes.push(mode.name.name.clone());
+    let applies = requirement_condition(cx, mode);
+    cx.open_modes.pop();
+    for ensure in &mode.ensures {
+        let (label, span) = (label_of(ensure), ensure.condition.span);
+        let Some(holds) = check_claim_condition(cx, &ensure.condition) else {
+            continue;
+        };
+        let condition = ops::binary_prim(cx, BinaryOp::Implies, applies, holds, span);
+        cx.current().claims.push(Claim {
+            kind: ClaimKind::Guarantee,
+            condition,
+            mode: Some(mode.name.name.clone()),
+            label,
+            span,
+        });
+    }
+    applies
+}
+
+/// Joins conditions by an operator; returns `true` if there are none.
+fn join_conditions(
+    cx: &mut Body<'_, '_>,
+    by: BinaryOp,
+    conditions: Vec<ExprId>,
+    span: Span,
+) -> ExprId {
+    let joined = conditions
+        .into_iter()
+        .reduce(|all, next| ops::binary_prim(cx, by, all, next, span));
+    joined.unwrap_or_else(|| cx.add(Kind::Literal(Leaf::bool(true)), Ty::Bool, span))
+}
+
+/// Checks the condition of a claim; returns `None` if no run can evaluate it.
+fn check_claim_condition<'a>(cx: &mut Body<'_, 'a>, condition: &'a ast::Expr) -> Option<ExprId> {
+    let before = cx.findings.len();
+    cx.claim = Some(Unwatched::default());
+    let value = statement::check_condition(cx, condition, "a claim");
+    let Unwatched(Some(span)) = cx.claim.take().unwrap_or_default() else {
+        return Some(value);
+    };
+    if !report::has_error_since(cx, before) {
+        report::report_diagnostic(
+            cx,
+            Finding::new(Code::RPI1013, "this claim is not checked at run time")
+                .at(span, "it ranges over more values than can be tested"),
+        );
+    }
+    None
+}
+
+/// Checks a claim in a body or contract.
+pub(crate) fn check_claim<'a>(cx: &mut Body<'_, 'a>, claim: &'a ast::Claim, span: Span) {
+    let Some(mut condition) = check_claim_condition(cx, &claim.condition) else {
+        return;
+    };
+    if let Some(provided) = &claim.provided {
+        let provided = statement::check_condition(cx, provided, "the expression after `provided`");
+        condition = ops::binary_prim(cx, BinaryOp::Implies, provided, condition, span);
+    }
+    cx.current().claims.push(Claim {
+        kind: kind_of(claim.kind),
+        condition,
+        mode: None,
+        label: label_of(claim),
+        span,
+    });
+}
+
+fn kind_of(kind: ast::ClaimKind) -> ClaimKind {
+    match kind {
+        ast::ClaimKind::Assert => ClaimKind::Assert,
+        ast::ClaimKind::Check | ast::ClaimKind::Property => ClaimKind::Check,
+        ast::ClaimKind::Assume => ClaimKind::Assume,
+        ast::ClaimKind::Guarantee => ClaimKind::Guarantee,
+    }
+}
+
+fn label_of(claim: &ast::Claim) -> Option<Name> {
+    claim.label.as_ref().map(|label| label.name.clone())
+}

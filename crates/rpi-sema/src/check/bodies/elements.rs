@@ -1,0 +1,391 @@
+//! Array definitions by element, `a[i] = e` of Kind 2 with an undeclared `i`: every element of `a` is `e` for its
+//! index.
+//!
+//! Such an equation is expanded to one equation per element, and conditions on the index are evaluated at compile time.
+//! Elements are defined in ascending order: an element may read elements at a fixed distance before it.
+
+use crate::check::bodies::body::Body;
+use crate::check::bodies::locals;
+use crate::check::bodies::locals::Local;
+use crate::check::bodies::targets;
+use crate::check::bodies::type_inference::Goal;
+use crate::check::bodies::type_inference::Pending;
+use crate::check::bodies::type_inference::State;
+use crate::check::diagnostics::report;
+use crate::check::exprs::bindings;
+use crate::check::exprs::bindings::Means;
+use crate::check::signatures::unit;
+use crate::check::types::consts;
+use crate::program::{Lookup, Space};
+use crate::ty::Ty;
+use crate::typed::Leaf;
+use rpi_diag::{Code, Finding, Span};
+use rpi_net::passes::causality::{self, Read};
+use rpi_syntax::ast::{Access, Equation, Expr, ExprKind, Ident, Statement, StatementKind, Target};
+use rpi_syntax::ops::{BinaryOp, UnaryOp};
+
+/// Maximum number of elements that one equation may define.
+const MAX_ELEMENTS: u64 = 1 << 14;
+
+/// Maximum length of a dependency cycle of arrays in the search of [`ring`], which is exponential.
+const MAX_RING: usize = 12;
+
+/// Whether an equation defines an array element by element.
+pub(crate) fn defines_elements(cx: &Body<'_, '_>, equation: &Equation) -> bool {
+    !unit::reads_rpi_syntax(cx)
+        && equation
+            .targets
+            .iter()
+            .any(|target| elementwise_array_name(cx, target).is_some())
+}
+
+/// Counts the equations that define parts of each array.
+pub(crate) fn count_parts(cx: &mut Body<'_, '_>, statements: &[Statement]) {
+    if unit::reads_rpi_syntax(cx) {
+        return;
+    }
+    for statement in statements {
+        let StatementKind::Equation(equation) = &statement.kind else {
+            continue;
+        };
+        let parts = equation.targets.iter();
+        for target in parts.filter(|target| !target.path.is_empty()) {
+            let name = target.name.name.clone();
+            *cx.parts_defined.entry(name).or_insert(0) += 1;
+        }
+    }
+}
+
+/// Returns the name of the array, if the first index of the target is an undeclared name.
+fn elementwise_array_name<'t>(cx: &Body<'_, '_>, target: &'t Target) -> Option<&'t Ident> {
+    let Some(Access::Index(index)) = target.path.first() else {
+        return None;
+    };
+    let name = index.as_name()?;
+    let found = cx.c.program.lookup_in(Space::Value, cx.module, name);
+    let is_outside = matches!(found, Lookup::Found(_));
+    // If it is the only equation of the array, it cannot be meant for one element: the index hides the constant of
+    // the same name.
+    let is_only = || cx.parts_defined.get(&target.name.name) == Some(&1);
+    let known = matches!(locals::find_local(cx, name), Some(Local::Constant(_)))
+        || cx.statics.contains_key(name)
+        || (is_outside && !is_only());
+    let is_array = matches!(
+        locals::find_local(cx, &target.name.name),
+        Some(Local::Flow(_))
+    );
+    (!known && is_array).then_some(&target.name)
+}
+
+/// Expands an equation that defines an array element by element to one pending equation per element.
+pub(crate) fn expand_element_equation<'a>(
+    cx: &mut Body<'_, 'a>,
+    equation: &'a Equation,
+    span: Span,
+) {
+    let [target] = &equation.targets[..] else {
+        return report_invalid_element_equation(
+            cx,
+            &equation.targets,
+            span,
+            "such an equation must define exactly one array",
+        );
+    };
+    let Some(flow) = cx.local_flow(&target.name.name) else {
+        return;
+    };
+    let Some(names) = index_names(target) else {
+        return report_invalid_element_equation(
+            cx,
+            &equation.targets,
+            span,
+            "each index must be a plain name",
+        );
+    };
+    let mut ty = cx.unit.flow(flow).ty.clone();
+    let mut sizes = Vec::new();
+    while let Ty::Array(element, n) = ty {
+        sizes.push(n);
+        ty = (*element).clone();
+    }
+    if ty.is_unknown() {
+        return cx.broken.push(flow);
+    }
+    if sizes.len() != names.len() {
+        let text = format!(
+            "`{}` has {}, found {}",
+            target.name.name,
+            rpi_diag::counted(sizes.len(), "dimension"),
+            match names.len() {
+                1 => "1 index".to_owned(),
+                n => format!("{n} indices"),
+            }
+        );
+        return report_invalid_element_equation(cx, &equation.targets, span, &text);
+    }
+    let count: u64 = sizes.iter().map(|n| u64::from(*n)).product();
+    if count > MAX_ELEMENTS {
+        let text = format!("more than {MAX_ELEMENTS} elements");
+        return report_invalid_element_equation(cx, &equation.targets, span, &text);
+    }
+    cx.elements.push(equation);
+    for at in 0..count {
+        cx.pending.push(Pending {
+            block: cx.block,
+            goal: Goal::Targets(&equation.targets),
+            value: &equation.value,
+            span,
+            introduces: [None].into_iter().collect(),
+            state: State::Open,
+            indices: names.iter().cloned().zip(place(at, &sizes)).collect(),
+        });
+    }
+}
+
+/// Reports an array that cannot be defined by its elements.
+fn report_invalid_element_equation(
+    cx: &mut Body<'_, '_>,
+    targets: &[Target],
+    span: Span,
+    why: &str,
+) {
+    let flows = targets
+        .iter()
+        .filter_map(|target| cx.local_flow(&target.name.name));
+    let flows: Vec<_> = flows.collect();
+    cx.broken.extend(flows);
+    let finding = Finding::new(
+        Code::RPI2013,
+        "this array cannot be defined by its elements",
+    )
+    .at(span, why.to_owned())
+    .help("write `a[i][j] = ...;` with an index for each dimension");
+    report::report_diagnostic(cx, finding);
+}
+
+/// Runs `work` with the index variables of a pending equation bound to their values.
+pub(crate) fn with_index_bindings<'c, 'a, T>(
+    cx: &mut Body<'c, 'a>,
+    index: usize,
+    work: impl FnOnce(&mut Body<'c, 'a>) -> T,
+) -> T {
+    let before = cx.bound.len();
+    for (name, value) in cx.pending[index].indices.clone() {
+        bindings::bind_name(cx, &name, Means::Index(value));
+    }
+    let result = work(cx);
+    cx.bound.truncate(before);
+    result
+}
+
+/// Checks the equation of one element. The same error is reported only once for all elements.
+pub(crate) fn check_element_equation(cx: &mut Body<'_, '_>, index: usize) {
+    let is_first = cx.pending[index].indices.iter().all(|(_, at)| *at == 0);
+    let before = cx.findings.len();
+    with_index_bindings(cx, index, |body| targets::check_equation(body, index));
+    if !is_first {
+        let new = cx.findings.split_off(before);
+        let is_known = |finding: &Finding| {
+            let mut said = cx.findings.iter();
+            said.any(|known| known.code == finding.code && known.span() == finding.span())
+        };
+        let new: Vec<Finding> = new
+            .into_iter()
+            .filter(|finding| !is_known(finding))
+            .collect();
+        cx.findings.extend(new);
+    }
+}
+
+/// Returns the value of a condition on an index; `None` if it depends on anything else.
+pub(crate) fn const_condition(
+    cx: &mut Body<'_, '_>,
+    condition: &Expr,
+    value: crate::typed::ExprId,
+) -> Option<bool> {
+    if cx.bound.is_empty() || !bindings::reads_binding(cx, condition) {
+        return None;
+    }
+    consts::fold_silently(cx, value)?
+        .first()
+        .and_then(Leaf::as_bool)
+}
+
+/// Reports elements that depend on themselves or on later elements.
+pub(crate) fn check_element_order(cx: &mut Body<'_, '_>) {
+    let equations = cx.elements.clone();
+    let mut links = Vec::new();
+    for (from, equation) in equations.iter().enumerate() {
+        let mut reads = Vec::new();
+        element_reads(&equation.value, &mut reads);
+        for (array, indices, span) in reads {
+            let to = equations
+                .iter()
+                .position(|e| e.targets[0].name.name == *array);
+            let Some(to) = to else { continue };
+            let names = index_names(&equation.targets[0]).unwrap_or_default();
+            let offset: Option<Vec<i64>> = indices
+                .iter()
+                .zip(&names)
+                .map(|(index, name)| distance(index, name))
+                .collect();
+            match offset {
+                Some(offset) if indices.len() == names.len() => links.push(Link {
+                    from,
+                    to,
+                    offset,
+                    span,
+                }),
+                _ if to == from => report_variable_offset(cx, equation, span),
+                _ => {}
+            }
+        }
+    }
+    for (start, equation) in equations.iter().enumerate() {
+        let dims = equation.targets[0].path.len();
+        if let Some(ring) = ring(&links, start, start, &vec![0; dims], &mut Vec::new()) {
+            return report_element_cycle(cx, &equations, &ring);
+        }
+    }
+}
+
+fn report_variable_offset(cx: &mut Body<'_, '_>, equation: &Equation, span: Span) {
+    let name = &equation.targets[0].name;
+    let finding = Finding::new(
+        Code::RPI2013,
+        format!("cannot order the elements of `{}`", name.name),
+    )
+    .at(span, "not at a fixed distance from the defined element")
+    .also(name.span, "defined by its elements here")
+    .help("read an earlier element: `a[i - 1]`");
+    report::report_diagnostic(cx, finding);
+}
+
+/// Reports a dependency cycle of elements.
+fn report_element_cycle<'a>(cx: &mut Body<'_, 'a>, equations: &[&'a Equation], ring: &[&Link]) {
+    let name = |at: usize| equations[at].targets[0].name.name.to_string();
+    let reads = ring.iter().rev().map(|link| Read {
+        from: name(link.to),
+        to: name(link.from),
+        span: link.span,
+        more: Vec::new(),
+    });
+    let reads: Vec<Read> = reads.collect();
+    let help = "elements are defined in ascending order: read an earlier one, `a[i - 1]`";
+    report::report_diagnostic(cx, causality::ring(&reads).help(help));
+    let flows = ring
+        .iter()
+        .filter_map(|link| cx.local_flow(&equations[link.from].targets[0].name.name));
+    let flows: Vec<_> = flows.collect();
+    cx.broken.extend(flows);
+}
+
+/// Dependency of the elements of one array on those of another. Arrays are indices of equations.
+struct Link {
+    from: usize,
+    to: usize,
+    /// Difference between the index read and the index defined, for each dimension.
+    offset: Vec<i64>,
+    span: Span,
+}
+
+/// Returns the names of all indices of a target; `None` if one is not a plain name.
+fn index_names(target: &Target) -> Option<Vec<Ident>> {
+    let name = |access: &Access| match access {
+        Access::Index(index) => Some(Ident {
+            name: index.as_name()?.clone(),
+            span: index.span,
+        }),
+        _ => None,
+    };
+    target.path.iter().map(name).collect()
+}
+
+/// Returns the indices of the element at a row-major position.
+fn place(mut at: u64, sizes: &[u32]) -> Vec<i64> {
+    let mut indices: Vec<i64> = Vec::with_capacity(sizes.len());
+    for n in sizes.iter().rev() {
+        let n = u64::from((*n).max(1));
+        indices.push((at % n).cast_signed());
+        at /= n;
+    }
+    indices.reverse();
+    indices
+}
+
+/// Collects the elements that an expression reads in the same cycle: array, indices, location.
+fn element_reads<'e>(expr: &'e Expr, reads: &mut Vec<(&'e rpi_syntax::Name, Vec<&'e Expr>, Span)>) {
+    let mut base = expr;
+    let mut indices = Vec::new();
+    while let ExprKind::Index(index) = &base.kind {
+        indices.push(&index.index);
+        base = &index.base;
+    }
+    if let (Some(name), false) = (base.as_name(), indices.is_empty()) {
+        indices.reverse();
+        return reads.push((name, indices, expr.span));
+    }
+    match &expr.kind {
+        ExprKind::Unary(UnaryOp::Pre, _) => {}
+        ExprKind::Binary(binary) if binary.op == BinaryOp::Fby => element_reads(&binary.lhs, reads),
+        _ => expr
+            .children()
+            .into_iter()
+            .for_each(|part| element_reads(part, reads)),
+    }
+}
+
+/// Returns the offset of an index expression from the index variable: 1 for `i + 1`; `None` for other expressions.
+fn distance(index: &Expr, name: &Ident) -> Option<i64> {
+    let is_index = |expr: &Expr| expr.unparen().as_name() == Some(&name.name);
+    let number = |expr: &Expr| match &expr.unparen().kind {
+        ExprKind::Number(number) => number.int().and_then(|n| i64::try_from(n).ok()),
+        _ => None,
+    };
+    match &index.unparen().kind {
+        _ if is_index(index) => Some(0),
+        ExprKind::Binary(sum) if sum.op == BinaryOp::Add && is_index(&sum.lhs) => number(&sum.rhs),
+        ExprKind::Binary(sum) if sum.op == BinaryOp::Add && is_index(&sum.rhs) => number(&sum.lhs),
+        ExprKind::Binary(sum) if sum.op == BinaryOp::Sub && is_index(&sum.lhs) => {
+            number(&sum.rhs).map(|n| -n)
+        }
+        _ => None,
+    }
+}
+
+/// Returns a dependency cycle from `at` back to `start` whose total offset is not negative. `so_far` is the offset and
+/// `way` the path up to `at`.
+fn ring<'l>(
+    links: &'l [Link],
+    start: usize,
+    at: usize,
+    so_far: &[i64],
+    way: &mut Vec<&'l Link>,
+) -> Option<Vec<&'l Link>> {
+    if way.len() >= MAX_RING {
+        return None;
+    }
+    for link in links.iter().filter(|link| link.from == at) {
+        let is_new = way.iter().all(|known| known.to != link.to);
+        if !is_new || link.offset.len() != so_far.len() {
+            continue;
+        }
+        let sum: Vec<i64> = so_far
+            .iter()
+            .zip(&link.offset)
+            .map(|(a, b)| a + b)
+            .collect();
+        way.push(link);
+        if link.to == start {
+            // Elements are ordered by their first index, then by the next: the first offset that is not 0 decides.
+            let first = sum.iter().find(|n| **n != 0).copied().unwrap_or(0);
+            if first >= 0 {
+                return Some(way.clone());
+            }
+        } else if let Some(found) = ring(links, start, link.to, &sum, way) {
+            return Some(found);
+        }
+        way.pop();
+    }
+    None
+}

@@ -1,0 +1,212 @@
+//! Names inside a body, by block: flows, constants, inline fragments, and states.
+
+use crate::check::Constant;
+use crate::check::bodies::body::Body;
+use crate::check::diagnostics::report;
+use crate::check::signatures::unit;
+use crate::check::types::PortTy;
+use crate::hash::Map;
+use crate::program::{DeclKind, Lookup, Space, twice};
+use crate::ty::Ty;
+use crate::typed::{Block, BlockId, Flow, FlowId, FlowRole, Optional};
+use rpi_diag::Span;
+use rpi_syntax::Name;
+use rpi_syntax::ast::{self, Ident, Locals};
+
+/// Meaning of a name inside a body.
+#[derive(Clone, Debug)]
+pub(crate) enum Local {
+    /// Flow.
+    Flow(FlowId),
+    /// Constant.
+    Constant(Constant),
+    /// Inline fragment.
+    Block(BlockId),
+    /// State of an automaton.
+    State(BlockId),
+    /// States of several automata: the locations of two of them, and their number.
+    States([Span; 2], usize),
+}
+
+/// Names of one block.
+#[derive(Default, Debug)]
+pub(crate) struct Scope {
+    /// Meaning of each name, and the location of its declaration.
+    names: Map<Name, (Local, Span)>,
+    /// Names in text order, for "did you mean".
+    order: Vec<Name>,
+}
+
+impl Scope {
+    fn reserve(&mut self, names: usize) {
+        self.names.reserve(names);
+        self.order.reserve(names);
+    }
+}
+
+/// Estimated number of source characters per expression in dense text. The estimate may be too low: reserved memory
+/// that is not used costs nothing.
+const LETTERS_PER_EXPR: usize = 5;
+
+/// Returns the meaning of a name in the current block or the blocks around it.
+pub(crate) fn find_local(cx: &Body<'_, '_>, name: &str) -> Option<Local> {
+    let mut block = Some(cx.block);
+    while let Some(id) = block {
+        if let Some((local, _)) = cx.scopes[id.0 as usize].names.get(name) {
+            return Some(local.clone());
+        }
+        block = cx.unit.block(id).parent;
+    }
+    None
+}
+
+/// Returns the meaning of a name in one block, without the blocks around it.
+pub(crate) fn find_in_block(cx: &Body<'_, '_>, block: BlockId, name: &str) -> Option<Local> {
+    let scope = &cx.scopes[block.0 as usize];
+    scope.names.get(name).map(|(local, _)| local.clone())
+}
+
+/// Returns the names visible in the current block, innermost block first.
+pub(crate) fn local_names<'s>(cx: &'s Body<'_, '_>) -> impl Iterator<Item = &'s str> {
+    let blocks = std::iter::successors(Some(cx.block), |id| cx.unit.block(*id).parent);
+    blocks.flat_map(|id| names_in(cx, id))
+}
+
+/// Returns the names of one block in text order.
+pub(crate) fn names_in<'s>(cx: &'s Body<'_, '_>, block: BlockId) -> impl Iterator<Item = &'s str> {
+    cx.scopes[block.0 as usize].order.iter().map(Name::as_str)
+}
+
+/// Declares a name in the current block; reports a second declaration.
+pub(crate) fn declare(cx: &mut Body<'_, '_>, name: &Ident, local: Local) {
+    let scope = &mut cx.scopes[cx.block.0 as usize];
+    match scope.names.get(&name.name) {
+        Some((first, place)) => {
+            let finding = twice(&name.name, name.span, *place);
+            // It is not known which of the two an equation defines, so that neither is reported as undefined.
+            for local in [first, &local] {
+                if let Local::Flow(flow) = local {
+                    cx.broken.push(*flow);
+                }
+            }
+            report::report_diagnostic(cx, finding);
+        }
+        None => {
+            scope.names.insert(name.name.clone(), (local, name.span));
+            scope.order.push(name.name.clone());
+        }
+    }
+}
+
+/// Declares the name of a state. If another automaton has a state of that name, the name is ambiguous outside of
+/// the automata, and the block's name gets a number for traces.
+pub(crate) fn declare_state_name(cx: &mut Body<'_, '_>, name: &Ident, block: BlockId) {
+    let scope = &mut cx.scopes[cx.block.0 as usize];
+    let Some((local, first)) = scope.names.get_mut(&name.name) else {
+        return declare(cx, name, Local::State(block));
+    };
+    let number = match local {
+        Local::State(_) => 2,
+        Local::States(_, count) => *count + 1,
+        _ => return declare(cx, name, Local::State(block)),
+    };
+    *local = Local::States([*first, name.span], number);
+    cx.unit.blocks[block.0 as usize].name = format!("{}#{number}", name.name).into();
+}
+
+/// Reports a local Lustre flow with the name of a constant of the file.
+pub(crate) fn report_constant_shadowing(cx: &mut Body<'_, '_>, name: &Ident) {
+    if unit::reads_rpi_syntax(cx) {
+        return;
+    }
+    let Lookup::Found(id) = cx.c.program.lookup_in(Space::Value, cx.module, &name.name) else {
+        return;
+    };
+    let decl = cx.c.program.decl(id);
+    if matches!(decl.kind, DeclKind::Const(_)) {
+        let finding = twice(&name.name, name.span, decl.span);
+        report::report_diagnostic(cx, finding);
+    }
+}
+
+/// Adds a flow with a declared type to the current block.
+pub(crate) fn declare_flow(
+    cx: &mut Body<'_, '_>,
+    name: &Ident,
+    port: &PortTy,
+    role: FlowRole,
+) -> FlowId {
+    let optional = Optional::Declared(port.optional);
+    let flow = add_flow(cx, name, port.ty.clone(), optional, role);
+    declare(cx, name, Local::Flow(flow));
+    flow
+}
+
+/// Adds a flow whose type is inferred from its equation.
+pub(crate) fn introduce_flow(cx: &mut Body<'_, '_>, name: &Ident) -> FlowId {
+    let flow = add_flow(cx, name, Ty::Unknown, Optional::Inferred, FlowRole::Local);
+    declare(cx, name, Local::Flow(flow));
+    flow
+}
+
+/// Adds a flow without declaring its name.
+pub(crate) fn add_flow(
+    cx: &mut Body<'_, '_>,
+    name: &Ident,
+    ty: Ty,
+    optional: Optional,
+    role: FlowRole,
+) -> FlowId {
+    let id = FlowId(u32::try_from(cx.unit.flows.len()).unwrap_or(u32::MAX));
+    cx.unit.flows.push(Flow {
+        name: name.name.clone(),
+        ty,
+        optional,
+        role,
+        block: cx.block,
+        clock: None,
+        default: None,
+        span: name.span,
+    });
+    cx.defined_by.push(None);
+    id
+}
+
+/// Reserves memory for the declarations and equations of a body. Growing a table step by step copies it at every
+/// step, and the system must clear each page of each copy.
+pub(crate) fn reserve_tables(cx: &mut Body<'_, '_>, body: &ast::Body) {
+    let flows = max_new_flows(cx, body);
+    cx.unit.flows.reserve(flows);
+    cx.defined_by.reserve(flows);
+    cx.scopes[cx.block.0 as usize].reserve(flows);
+    let statements = &body.statements;
+    cx.pending.reserve(statements.len());
+    cx.current().equations.reserve(statements.len());
+    if let [first, .., last] = &statements[..] {
+        let letters = last.span.end.saturating_sub(first.span.start) as usize;
+        cx.unit.exprs.reserve(letters / LETTERS_PER_EXPR);
+    }
+}
+
+/// Returns an upper bound of the number of flows that a body declares or introduces.
+fn max_new_flows(cx: &Body<'_, '_>, body: &ast::Body) -> usize {
+    let declared = body.locals.iter().map(|section| match section {
+        Locals::Var(vars) => vars.iter().map(|var| var.names.len()).sum(),
+        Locals::Const(_) => 0,
+    });
+    let introduced = match unit::reads_rpi_syntax(cx) {
+        true => body.statements.len(),
+        false => 0,
+    };
+    declared.sum::<usize>() + introduced
+}
+
+/// Adds a block inside the current one.
+pub(crate) fn add_block(cx: &mut Body<'_, '_>, name: &Name, span: Span) -> BlockId {
+    let id = BlockId(u32::try_from(cx.unit.blocks.len()).unwrap_or(u32::MAX));
+    cx.unit
+        .blocks
+        .push(Block::new(name.clone(), Some(cx.block), span));
+    cx.scopes.push(Scope::default());
+    id
+}

@@ -1,0 +1,190 @@
+//! Infers the type of each `none` from its context. A `none` without a type has no leaves and would be treated as a
+//! present value, so a type that cannot be inferred is reported.
+
+use crate::check::bodies::body::Body;
+use crate::check::bodies::inference_errors::untold;
+use crate::check::calls::prim::port_ty;
+use crate::check::diagnostics::report;
+use crate::hash::Set;
+use crate::ty::Ty;
+use crate::typed::{BlockId, Each, ExprId, FlowId, Kind, Place};
+use rpi_diag::{Code, Finding, Severity};
+
+/// Infers the type of every `none` of the unit, and reports those whose type remains unknown.
+pub(crate) fn infer_none_types(cx: &mut Body<'_, '_>) {
+    let is_error = |finding: &&Finding| finding.severity() == Severity::Error;
+    let here = cx.findings.iter().any(|finding| is_error(&finding));
+    let mut around = cx.c.findings.iter().filter(is_error);
+    // An expression with an error has no type either, so nothing is reported after other errors.
+    if !has_untyped_none(cx) || here || around.any(|told| told.code != Code::RPI2007) {
+        return;
+    }
+    for (id, ty) in context_types(cx) {
+        set_none_type(cx, id, &ty);
+    }
+    for id in (0..cx.unit.exprs.len()).rev() {
+        let id = ExprId(u32::try_from(id).unwrap_or(u32::MAX));
+        for (operand, ty) in operand_types(cx, id) {
+            set_none_type(cx, operand, &ty);
+        }
+    }
+    report_untyped_none(cx);
+}
+
+fn is_untyped_none(cx: &Body<'_, '_>, id: ExprId) -> bool {
+    let expr = cx.unit.expr(id);
+    matches!(expr.kind, Kind::None) && expr.ty.has_unknown()
+}
+
+fn has_untyped_none(cx: &Body<'_, '_>) -> bool {
+    let mut all = (0..).map(ExprId).take(cx.unit.exprs.len());
+    all.any(|id| is_untyped_none(cx, id))
+}
+
+/// Returns the types that flows, equations and conditions require of their expressions.
+fn context_types(cx: &Body<'_, '_>) -> Vec<(ExprId, Ty)> {
+    let defaults = cx.unit.flows.iter();
+    let defaults = defaults.filter_map(|flow| Some((flow.default?, flow.ty.clone())));
+    let mut types: Vec<(ExprId, Ty)> = defaults.collect();
+    for block in &cx.unit.blocks {
+        for equation in &block.equations {
+            if let [target] = &equation.targets[..] {
+                types.push((equation.value, target.ty.clone()));
+            } else if let Kind::Build(parts) = &cx.unit.expr(equation.value).kind {
+                let parts = parts.iter().zip(&equation.targets);
+                types.extend(parts.map(|(part, target)| (*part, target.ty.clone())));
+            }
+        }
+        let ends = block.ends.iter().map(|end| end.condition);
+        let claims = block.claims.iter().map(|claim| claim.condition);
+        let states = block.automata.iter().flat_map(|a| &a.states);
+        let transitions = states.flat_map(|state| state.unless.iter().chain(&state.until));
+        let conditions = ends.chain(claims).chain(block.when);
+        let conditions = conditions.chain(transitions.filter_map(|t| t.condition));
+        types.extend(conditions.map(|condition| (condition, Ty::Bool)));
+    }
+    types
+}
+
+/// Returns the types that an operator requires of its operands.
+fn operand_types(cx: &Body<'_, '_>, id: ExprId) -> Vec<(ExprId, Ty)> {
+    let expr = cx.unit.expr(id);
+    let alike = |ids: &[ExprId]| ids.iter().map(|id| (*id, expr.ty.clone())).collect();
+    match &expr.kind {
+        Kind::Each(Each::If, operands) => {
+            let mut types: Vec<(ExprId, Ty)> = alike(&operands[1..]);
+            types.push((operands[0], Ty::Bool));
+            types
+        }
+        Kind::Each(_, operands) => alike(operands),
+        Kind::When { value, .. } => alike(&[*value]),
+        Kind::Current(operand) => alike(&[*operand]),
+        Kind::Merge { cases, .. } => {
+            alike(&cases.iter().map(|(_, case)| *case).collect::<Vec<_>>())
+        }
+        Kind::Repeat(_) | Kind::Build(_) => part_types(cx, id),
+        Kind::Equal {
+            operands: [a, b], ..
+        } => {
+            vec![(*a, cx.ty_of(*b).clone()), (*b, cx.ty_of(*a).clone())]
+        }
+        Kind::Call(call) => {
+            let header = &cx.c.entries[call.unit.0 as usize].header;
+            let args = call.args.iter().zip(&header.inputs);
+            let args = args.filter_map(|(arg, port)| Some(((*arg)?, port.ty.clone())));
+            let default = call.activation.default().map(|id| (id, expr.ty.clone()));
+            args.chain(default).collect()
+        }
+        Kind::Prim(call) => {
+            let ports = call.inputs.iter().zip(call.prim.desc().inputs);
+            ports
+                .filter_map(|(input, port)| Some(((*input)?, port_ty(port.ty))))
+                .collect()
+        }
+        _ => Vec::new(),
+    }
+}
+
+/// Returns the types of the parts of an array, struct or tuple expression.
+fn part_types(cx: &Body<'_, '_>, id: ExprId) -> Vec<(ExprId, Ty)> {
+    let expr = cx.unit.expr(id);
+    match (&expr.kind, &expr.ty) {
+        (Kind::Repeat(element), Ty::Array(ty, _)) => vec![(*element, (**ty).clone())],
+        (Kind::Build(parts), Ty::Array(ty, _)) => {
+            parts.iter().map(|part| (*part, (**ty).clone())).collect()
+        }
+        (Kind::Build(parts), ty) if ty.members().len() == parts.len() => {
+            let parts = parts.iter().zip(ty.members());
+            parts
+                .map(|(part, member)| (*part, member.ty.clone()))
+                .collect()
+        }
+        _ => Vec::new(),
+    }
+}
+
+/// Sets the type of an expression that only passes `none` on; other expressions and known types remain unchanged.
+fn set_none_type(cx: &mut Body<'_, '_>, id: ExprId, ty: &Ty) {
+    let expr = &mut cx.unit.exprs[id.0 as usize];
+    let passes_on = matches!(
+        expr.kind,
+        Kind::None
+            | Kind::Each(..)
+            | Kind::When { .. }
+            | Kind::Current(_)
+            | Kind::Merge { .. }
+            | Kind::Repeat(_)
+            | Kind::Build(_)
+    );
+    if passes_on && expr.ty.has_unknown() && !ty.has_unknown() {
+        expr.ty = ty.clone().widened();
+    }
+}
+
+/// Reports each `none` of unknown type: at the flow that gets its type from it, otherwise at the `none` itself.
+fn report_untyped_none(cx: &mut Body<'_, '_>) {
+    let mut told: Set<ExprId> = Set::default();
+    for block in (0..cx.unit.blocks.len()).map(|k| BlockId(u32::try_from(k).unwrap_or(0))) {
+        for k in 0..cx.unit.block(block).equations.len() {
+            let equation = &cx.unit.block(block).equations[k];
+            let (value, flow) = match equation.targets[..] {
+                [ref target] => match target.place {
+                    Place::Flow { flow, .. } => (equation.value, flow),
+                    _ => continue,
+                },
+                _ => continue,
+            };
+            let nones = untyped_nones_in(cx, value);
+            if !nones.is_empty() && cx.unit.flow(flow).ty.has_unknown() {
+                told.extend(nones);
+                report_none_flow(cx, flow);
+            }
+        }
+    }
+    for id in (0..).map(ExprId).take(cx.unit.exprs.len()) {
+        if is_untyped_none(cx, id) && !told.contains(&id) {
+            let finding = Finding::new(Code::RPI2007, "cannot infer the type of this `none`")
+                .at(cx.span_of(id), "absent value of unknown type")
+                .help("declare a flow with a type: `var nothing: int?;` before `let`, and `nothing = none;`");
+            report::report_diagnostic(cx, finding);
+        }
+    }
+}
+
+/// Returns each `none` of unknown type within an expression.
+fn untyped_nones_in(cx: &Body<'_, '_>, root: ExprId) -> Vec<ExprId> {
+    let (mut parts, mut found) = (cx.unit.parts(root), Vec::new());
+    while let Some((id, _)) = parts.next() {
+        if is_untyped_none(cx, id) {
+            found.push(id);
+        }
+        parts.enter(id);
+    }
+    found
+}
+
+fn report_none_flow(cx: &mut Body<'_, '_>, flow: FlowId) {
+    let why = "its equation is only `none`";
+    let finding = untold(cx.unit.flow(flow), why, "...?");
+    report::report_diagnostic(cx, finding);
+}

@@ -1,0 +1,402 @@
+//! Statements of a body: all are declared first, so that their order does not matter, then checked.
+
+use crate::check::bodies::automaton;
+use crate::check::bodies::blocks;
+use crate::check::bodies::body::Body;
+use crate::check::bodies::contract;
+use crate::check::bodies::defaults;
+use crate::check::bodies::definitions;
+use crate::check::bodies::elements;
+use crate::check::bodies::inference_errors;
+use crate::check::bodies::locals;
+use crate::check::bodies::locals::Local;
+use crate::check::bodies::type_inference::Goal;
+use crate::check::bodies::type_inference::Pending;
+use crate::check::bodies::type_inference::State;
+use crate::check::diagnostics::report;
+use crate::check::diagnostics::report::Wanted;
+use crate::check::exprs::clocked;
+use crate::check::exprs::expr;
+use crate::check::exprs::names;
+use crate::check::signatures::imported;
+use crate::check::types;
+use crate::check::types::PortTy;
+use crate::check::types::consts;
+use crate::check::types::exact_time;
+use crate::check::types::infer_times;
+use crate::check::types::time_sums;
+use crate::program::DeclKind;
+use crate::ty::{Subst, Ty, fit};
+use crate::typed::{self, BlockId, End, Equation, ExprId, FlowId, FlowRole, Optional};
+use rpi_diag::{Code, Finding, Span};
+use rpi_syntax::Mode;
+use rpi_syntax::ast::{self, FragmentDecl, Ident, Locals, Statement, StatementKind, VarDecl};
+use smallvec::SmallVec;
+
+/// A statement that is checked when the types of all flows are known.
+pub(crate) enum Later<'a> {
+    /// Call without a target.
+    Call(&'a ast::Expr),
+    /// Condition that is claimed to hold.
+    Claim(&'a ast::Claim, Span),
+    /// Contract, in its own block.
+    Contract(&'a ast::Contract),
+    /// End of the command.
+    End(&'a ast::End, Span),
+    /// Exported flow.
+    Export(&'a ast::Dotted),
+    /// Activation condition and time budget of a fragment's block.
+    Activation(BlockId, &'a FragmentDecl),
+    /// Transitions of an automaton.
+    Automaton(usize, &'a ast::Automaton),
+}
+
+/// Declares and checks all statements of a body.
+pub(crate) fn check_body<'a>(cx: &mut Body<'_, 'a>, body: &'a ast::Body) {
+    let mut later = Vec::new();
+    declare_body(cx, body, &mut later);
+    elements::check_element_order(cx);
+    check_equations(cx);
+    for (block, item) in later {
+        cx.within(block, |body| check_deferred(body, item));
+    }
+    definitions::check_definitions(cx);
+    time_sums::check_time_sums(cx);
+}
+
+/// Checks all declared equations.
+pub(crate) fn check_equations(cx: &mut Body<'_, '_>) {
+    infer_times::infer_with_times(cx);
+    resolve_declared_clocks(cx);
+    inference_errors::report_unknown_types(cx);
+    for index in 0..cx.pending.len() {
+        let block = cx.pending[index].block;
+        cx.within(block, |body| elements::check_element_equation(body, index));
+    }
+}
+
+/// Declares the locals and statements of a body in the current block.
+pub(crate) fn declare_body<'a>(
+    cx: &mut Body<'_, 'a>,
+    body: &'a ast::Body,
+    later: &mut Vec<(BlockId, Later<'a>)>,
+) {
+    locals::reserve_tables(cx, body);
+    for section in &body.locals {
+        match section {
+            Locals::Var(vars) => vars.iter().for_each(|var| declare_var(cx, var)),
+            Locals::Const(defs) => defs.iter().for_each(|def| declare_const(cx, def)),
+        }
+    }
+    cx.clocks_stated.push((cx.block, &body.locals[..]));
+    elements::count_parts(cx, &body.statements);
+    defaults::declare_defaults(cx, &body.statements);
+    for statement in &body.statements {
+        declare_statement(cx, statement, later);
+    }
+}
+
+/// Declares local flows; `var x: int = e;` also defines `x`.
+pub(crate) fn declare_var<'a>(cx: &mut Body<'_, 'a>, var: &'a VarDecl) {
+    let port = types::resolve_port_type(cx, &var.ty);
+    for name in &var.names {
+        locals::report_constant_shadowing(cx, name);
+        let flow = locals::declare_flow(cx, name, &port, FlowRole::Local);
+        time_sums::record_seconds(cx, flow, &var.ty);
+        if let Some(value) = &var.default {
+            cx.pending.push(Pending {
+                block: cx.block,
+                goal: Goal::Var(flow),
+                value,
+                span: var.span,
+                introduces: SmallVec::from([None]),
+                state: State::Open,
+                indices: Vec::new(),
+            });
+        }
+    }
+}
+
+pub(crate) fn declare_const<'a>(cx: &mut Body<'_, 'a>, def: &'a ast::ConstDef) {
+    let Some(constant) = consts::constant_def(cx, def) else {
+        for name in &def.names {
+            let nothing = PortTy {
+                ty: Ty::Unknown,
+                optional: false,
+            };
+            locals::declare_flow(cx, name, &nothing, FlowRole::Param);
+        }
+        return;
+    };
+    for name in &def.names {
+        locals::declare(cx, name, Local::Constant(constant.clone()));
+    }
+}
+
+/// Sets the clocks of declared flows after type inference, because equations may introduce the flows that the
+/// clocks refer to.
+fn resolve_declared_clocks(cx: &mut Body<'_, '_>) {
+    for (block, sections) in std::mem::take(&mut cx.clocks_stated) {
+        for section in sections {
+            if let Locals::Var(vars) = section {
+                cx.within(block, |body| resolve_clocks_of(body, vars));
+            }
+        }
+    }
+}
+
+/// Sets the clocks that declarations state.
+pub(crate) fn resolve_clocks_of<'a>(cx: &mut Body<'_, 'a>, vars: &'a [VarDecl]) {
+    for var in vars {
+        let Some(clock) = &var.clock else {
+            continue;
+        };
+        let on = clocked::resolve_clock(cx, clock);
+        for name in &var.names {
+            if let (Some(flow), Some(on)) = (cx.local_flow(&name.name), on) {
+                cx.unit.flows[flow.0 as usize].clock = Some(on);
+            }
+        }
+    }
+}
+
+fn declare_statement<'a>(
+    cx: &mut Body<'_, 'a>,
+    statement: &'a Statement,
+    later: &mut Vec<(BlockId, Later<'a>)>,
+) {
+    let block = cx.block;
+    match &statement.kind {
+        StatementKind::Equation(equation) => declare_equation(cx, equation, statement.span),
+        StatementKind::Call(call) => later.push((block, Later::Call(call))),
+        StatementKind::Claim(claim) => {
+            later.push((block, Later::Claim(claim, statement.span)));
+        }
+        StatementKind::End(end) => later.push((block, Later::End(end, statement.span))),
+        StatementKind::Export(flows) => {
+            later.extend(flows.iter().map(|flow| (block, Later::Export(flow))));
+        }
+        StatementKind::Fragment(fragment) => declare_fragment(cx, fragment, later),
+        StatementKind::Automaton(automaton) => {
+            automaton::declare_automaton(cx, automaton, statement.span, later);
+        }
+        StatementKind::Choice(choice) => blocks::declare_equation_block(cx, &choice.means),
+        StatementKind::Keep(keep) => blocks::declare_equation_block(cx, &keep.means),
+        StatementKind::Broken(names) => {
+            for name in names {
+                let flow = match locals::find_local(cx, &name.name) {
+                    None => Some(locals::introduce_flow(cx, name)),
+                    Some(Local::Flow(flow)) => Some(flow),
+                    Some(_) => None,
+                };
+                cx.broken.extend(flow);
+            }
+        }
+    }
+}
+
+pub(crate) fn declare_equation<'a>(cx: &mut Body<'_, 'a>, equation: &'a ast::Equation, span: Span) {
+    if elements::defines_elements(cx, equation) {
+        return elements::expand_element_equation(cx, equation, span);
+    }
+    let index = cx.pending.len();
+    let introduces = equation
+        .targets
+        .iter()
+        .map(|target| introduced_flow(cx, target, index));
+    let introduces = introduces.collect();
+    cx.pending.push(Pending {
+        block: cx.block,
+        goal: Goal::Targets(&equation.targets),
+        value: &equation.value,
+        span,
+        introduces,
+        state: State::Open,
+        indices: Vec::new(),
+    });
+}
+
+/// Returns the flow that a target introduces: a plain name that no surrounding block declares.
+fn introduced_flow(cx: &mut Body<'_, '_>, target: &ast::Target, index: usize) -> Option<FlowId> {
+    report_constant_redefinition(cx, &target.name);
+    let may = target.path.is_empty() && cx.mode == Mode::Rpi && target.name.name != "_";
+    let own = match locals::find_in_block(cx, cx.block, &target.name.name) {
+        Some(Local::Flow(flow)) => Some(defaults::defined_flow(cx, flow)),
+        _ => None,
+    };
+    let flow = match own {
+        Some(flow) if may && lacks_type(cx, flow) => flow,
+        _ if !may || is_declared(cx, &target.name) => return None,
+        _ => locals::introduce_flow(cx, &target.name),
+    };
+    let around = automaton::enclosing_shared_flows(cx, flow);
+    let around: Vec<FlowId> = around.filter(|outer| lacks_type(cx, *outer)).collect();
+    for flow in std::iter::once(flow).chain(around) {
+        cx.defined_by[flow.0 as usize] = Some(index);
+    }
+    Some(flow)
+}
+
+/// Reports an equation that seems to define a constant of the same file.
+pub(crate) fn report_constant_redefinition(cx: &mut Body<'_, '_>, name: &Ident) {
+    let Some(id) = cx.c.program.own(cx.module, &name.name) else {
+        return;
+    };
+    let decl = cx.c.program.decl(id);
+    if !matches!(decl.kind, DeclKind::Const(_)) || locals::find_local(cx, &name.name).is_some() {
+        return;
+    }
+    let finding = Finding::new(Code::RPI1003, format!("`{}` is a constant", name.name))
+        .at(name.span, "a constant cannot be defined by an equation")
+        .also(decl.span, "declared here")
+        .help(format!(
+            "use another name for the new flow: `{}_new = ...;`",
+            name.name
+        ));
+    report::report_diagnostic(cx, finding);
+}
+
+/// Whether a flow gets its type from an equation that has not been declared yet.
+fn lacks_type(cx: &Body<'_, '_>, flow: FlowId) -> bool {
+    let inferred = cx.unit.flow(flow).optional == Optional::Inferred;
+    inferred && cx.defined_by[flow.0 as usize].is_none()
+}
+
+/// Whether the name of a target is declared in this block, or around it as a name that no equation defines. A
+/// fragment does not define flows of its surroundings, which continue while it is inactive; it gets its own flow of
+/// that name.
+fn is_declared(cx: &Body<'_, '_>, name: &Ident) -> bool {
+    if locals::find_in_block(cx, cx.block, &name.name).is_some() {
+        return true;
+    }
+    match locals::find_local(cx, &name.name) {
+        Some(Local::Flow(flow)) => !cx.unit.flow(flow).role.has_equation(),
+        Some(Local::Constant(_)) => true,
+        _ => false,
+    }
+}
+
+fn declare_fragment<'a>(
+    cx: &mut Body<'_, 'a>,
+    decl: &'a FragmentDecl,
+    later: &mut Vec<(BlockId, Later<'a>)>,
+) {
+    let name = &decl.signature.name;
+    let block = locals::add_block(cx, &name.name, name.span);
+    locals::declare(cx, name, Local::Block(block));
+    later.push((cx.block, Later::Activation(block, decl)));
+    cx.within(block, |body| {
+        if let Some(outputs) = &decl.signature.outputs {
+            outputs.iter().for_each(|var| declare_var(body, var));
+        }
+        if let Some(contract) = &decl.contract {
+            later.push((
+                contract::declare_contract(body, contract),
+                Later::Contract(contract),
+            ));
+        }
+        declare_body(body, &decl.body, later);
+    });
+}
+
+fn check_deferred<'a>(cx: &mut Body<'_, 'a>, item: Later<'a>) {
+    match item {
+        Later::Call(call) => check_call(cx, call),
+        Later::Claim(claim, span) => contract::check_claim(cx, claim, span),
+        Later::Contract(contract) => {
+            imported::check_imports(cx, cx.block);
+            contract::check_contract(cx, contract);
+        }
+        Later::End(end, span) => check_end(cx, end, span),
+        Later::Export(flow) => check_export(cx, flow),
+        Later::Activation(block, decl) => check_activation(cx, block, decl),
+        Later::Automaton(index, automaton) => automaton::check_automaton(cx, index, automaton),
+    }
+}
+
+fn check_call<'a>(cx: &mut Body<'_, 'a>, call: &'a ast::Expr) {
+    let value = expr::check_expr(cx, call);
+    let span = call.span;
+    cx.current().equations.push(Equation {
+        targets: Vec::new(),
+        value,
+        span,
+    });
+}
+
+fn check_end<'a>(cx: &mut Body<'_, 'a>, end: &'a ast::End, span: Span) {
+    if !cx.unit.kind.is_root() || cx.block != BlockId::ROOT {
+        let finding = Finding::new(Code::RPI8001, "only the body of a command can end it")
+            .at(span, "not at the top level of a command")
+            .help(
+                "define the condition as a flow here, and end the command by that flow at the top level",
+            );
+        return report::report_diagnostic(cx, finding);
+    }
+    let same = |other: &&End| other.result == end.result.name;
+    if let Some(first) = cx.current().ends.iter().find(same) {
+        let finding = crate::program::twice(&end.result.name, end.result.span, first.span);
+        report::report_diagnostic(cx, finding);
+    }
+    let condition = check_condition(cx, &end.condition, "the end of a command");
+    cx.current().ends.push(End {
+        kind: end.kind,
+        result: end.result.name.clone(),
+        condition,
+        span: end.result.span,
+    });
+}
+
+fn check_export<'a>(cx: &mut Body<'_, 'a>, flow: &'a ast::Dotted) {
+    let value = names::resolve_dotted(cx, flow);
+    let key: Vec<&str> = flow.parts.iter().map(|part| part.name.as_str()).collect();
+    let key = key.join(".");
+    cx.current().exports.push(typed::Export {
+        key,
+        value,
+        span: flow.span,
+    });
+}
+
+fn check_activation<'a>(cx: &mut Body<'_, 'a>, block: BlockId, decl: &'a FragmentDecl) {
+    let when = decl.when.as_ref();
+    let condition = when.map(|w| check_condition(cx, &w.condition, "the activation of a fragment"));
+    let budget_ns = decl
+        .budget
+        .as_ref()
+        .and_then(|budget| consts::const_nanoseconds(cx, budget));
+    let target = &mut cx.unit.blocks[block.0 as usize];
+    target.when = condition;
+    target.restart = when.is_some_and(|w| w.restart);
+    target.budget_ns = budget_ns;
+}
+
+/// Checks a condition; `of` is its role in the message.
+pub(crate) fn check_condition<'a>(
+    cx: &mut Body<'_, 'a>,
+    condition: &'a ast::Expr,
+    of: &str,
+) -> ExprId {
+    let id = expr::check_expr(cx, condition);
+    let wanted = Wanted::By(Span::NONE, format!("{of} must be a Boolean condition"));
+    expect_type(cx, id, &Ty::Bool, &wanted);
+    id
+}
+
+/// Checks that an expression has an expected type; reports a mismatch.
+pub(crate) fn expect_type(
+    cx: &mut Body<'_, '_>,
+    id: ExprId,
+    expected: &Ty,
+    wanted: &Wanted,
+) -> bool {
+    exact_time::convert_time_for(cx, id, expected);
+    let result = fit(expected, cx.ty_of(id), &mut Subst::default());
+    match result {
+        Ok(()) => expr::check_angle_unit(cx, id, expected),
+        Err(misfit) => {
+            report::type_mismatch(cx, id, expected, &misfit, wanted);
+            false
+        }
+    }
+}

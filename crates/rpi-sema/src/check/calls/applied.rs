@@ -1,0 +1,118 @@
+//! Operators called like nodes, `map<<+, n>>` and `Lustre::iplus(a, b)`, and calls of node parameters inside a generic
+//! declaration.
+
+use crate::check::bodies::body::Body;
+use crate::check::bodies::statement;
+use crate::check::calls::args;
+use crate::check::calls::args::Given;
+use crate::check::calls::callable::Callable;
+use crate::check::calls::predefined_ops::Predef;
+use crate::check::exprs::expr;
+use crate::check::exprs::ops;
+use crate::check::signatures::header::Header;
+use crate::ty::{Subst, Ty};
+use crate::typed::{self, ExprId, Kind};
+use rpi_diag::{Code, Finding, Span};
+use rpi_syntax::ast::StaticOp;
+use rpi_syntax::ops::{BinaryOp, UnaryOp};
+use std::rc::Rc;
+
+/// Calls an operator by its name.
+pub(crate) fn call_predefined_op<'a>(
+    cx: &mut Body<'_, 'a>,
+    predef: &Predef,
+    given: Vec<Given<'a>>,
+    span: Span,
+) -> ExprId {
+    let given = args::flatten_tuple_args(cx, given);
+    let (takes, gives) = predef.signature().unwrap_or((Vec::new(), Ty::Unknown));
+    let mut sound = true;
+    for (arg, ty) in given.iter().zip(&takes) {
+        sound &= statement::expect_type(
+            cx,
+            arg.value,
+            ty,
+            &crate::check::diagnostics::report::Wanted::Here,
+        );
+    }
+    match sound {
+        true => call_operator(cx, predef.op, &given, span),
+        false => cx.add(Kind::Fault, gives, span),
+    }
+}
+
+/// Calls an operator with operands that have been checked.
+pub(crate) fn call_operator<'a>(
+    cx: &mut Body<'_, 'a>,
+    op: StaticOp,
+    given: &[Given<'a>],
+    span: Span,
+) -> ExprId {
+    let given = args::flatten_tuple_args(cx, given.to_vec());
+    let values: Vec<ExprId> = given.iter().map(|arg| arg.value).collect();
+    match (op, &values[..]) {
+        (StaticOp::Binary(op), [a, b]) => apply_binary(cx, op, *a, *b, span),
+        (StaticOp::Unary(UnaryOp::Pre), [a]) => {
+            cx.has_state(span);
+            let ty = cx.ty_of(*a).clone();
+            cx.add(Kind::Each(typed::Each::Pre, [*a].into()), ty, span)
+        }
+        (StaticOp::Unary(op), [a]) => ops::unary_prim(cx, op, *a, span),
+        (StaticOp::If, [c, a, b]) => {
+            statement::expect_type(
+                cx,
+                *c,
+                &Ty::Bool,
+                &crate::check::diagnostics::report::Wanted::Here,
+            );
+            let ty = expr::common_type(
+                cx,
+                *a,
+                *b,
+                "both branches of an `if` must have the same type",
+            );
+            cx.add(Kind::Each(typed::Each::If, [*c, *a, *b].into()), ty, span)
+        }
+        _ => {
+            let name = Callable::Op(op).spelling();
+            let finding = Finding::new(
+                Code::RPI1010,
+                format!(
+                    "`{name}` does not take {}",
+                    rpi_diag::counted(values.len(), "operand")
+                ),
+            )
+            .at(span, "wrong number of operands");
+            cx.fault_with(finding, span)
+        }
+    }
+}
+
+/// Checks a call of a node parameter without a value: only the types of the arguments can be checked.
+pub(crate) fn call_node_param<'a>(
+    cx: &mut Body<'_, 'a>,
+    header: &Rc<Header>,
+    given: Vec<Given<'a>>,
+    span: Span,
+) -> ExprId {
+    if let Some(mut args) = args::match_args_to_ports(cx, header, &given, span) {
+        args::check_arg_types(cx, header, &mut args, &mut Subst::default());
+    }
+    cx.add(Kind::Fault, header.result_type(), span)
+}
+
+fn apply_binary(cx: &mut Body<'_, '_>, op: BinaryOp, a: ExprId, b: ExprId, span: Span) -> ExprId {
+    let each = match op {
+        BinaryOp::Arrow => typed::Each::Arrow,
+        BinaryOp::Coalesce => typed::Each::Coalesce,
+        BinaryOp::Fby => {
+            cx.has_state(span);
+            let ty = cx.ty_of(b).clone();
+            let before = cx.add(Kind::Each(typed::Each::Pre, [b].into()), ty, span);
+            return apply_binary(cx, BinaryOp::Arrow, a, before, span);
+        }
+        _ => return ops::binary_prim(cx, op, a, b, span),
+    };
+    let ty = expr::common_type(cx, a, b, "both sides must have the same type");
+    cx.add(Kind::Each(each, [a, b].into()), ty, span)
+}

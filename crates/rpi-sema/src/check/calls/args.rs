@@ -1,0 +1,490 @@
+//! Arguments of a call and their assignment to ports.
+
+use crate::check::bodies::body::Body;
+use crate::check::bodies::locals;
+use crate::check::bodies::tuple_pieces;
+use crate::check::bodies::tuple_pieces::Piece;
+use crate::check::diagnostics::argument_order;
+use crate::check::diagnostics::report;
+use crate::check::diagnostics::report::Wanted;
+use crate::check::diagnostics::report::listed;
+use crate::check::exprs::expr;
+use crate::check::exprs::names::plain_name;
+use crate::check::signatures::header::Header;
+use crate::check::signatures::header::Port;
+use crate::check::signatures::static_args;
+use crate::check::signatures::unit;
+use crate::check::types::exact_time;
+use crate::program::DeclId;
+use crate::ty::{Subst, Ty, fit};
+use crate::typed::{ExprId, FlowRole, Kind, UnitKind};
+use rpi_diag::{Code, Finding, Fix, Span};
+use rpi_syntax::Name;
+use rpi_syntax::ast::{Arg, Expr, ExprKind, Ident};
+use rpi_syntax::ops::BinaryOp;
+use std::rc::Rc;
+
+/// Checked argument of a call.
+#[derive(Clone, Copy)]
+pub(crate) struct Given<'a> {
+    /// Name of the port, if the argument is named.
+    pub(crate) name: Option<&'a Ident>,
+    /// Value of the argument.
+    pub(crate) value: ExprId,
+    /// Whether the argument is in `<<...>>`, where it must be fixed when the command is loaded.
+    pub(crate) is_static: bool,
+}
+
+impl<'a> Given<'a> {
+    /// Creates a positional argument.
+    pub(crate) fn plain(value: ExprId) -> Given<'a> {
+        Given {
+            name: None,
+            value,
+            is_static: false,
+        }
+    }
+}
+
+/// Checks the arguments of a call without comparing them with ports.
+pub(crate) fn check_args<'a>(cx: &mut Body<'_, 'a>, args: &'a [Arg]) -> Vec<Given<'a>> {
+    args.iter().map(|arg| check_arg(cx, arg)).collect()
+}
+
+fn check_arg<'a>(cx: &mut Body<'_, 'a>, arg: &'a Arg) -> Given<'a> {
+    let value = expr::check_expr(cx, &arg.value);
+    Given {
+        name: arg.name.as_ref(),
+        value,
+        is_static: false,
+    }
+}
+
+/// Checks the arguments of a call of a declaration. Returns `false` if an argument is named by `=` instead of `:`,
+/// which has then been reported.
+pub(crate) fn check_args_for<'a>(
+    cx: &mut Body<'_, 'a>,
+    id: DeclId,
+    args: &[&'a Arg],
+) -> (Vec<Given<'a>>, bool) {
+    let told = cx.findings.len();
+    let named = args.iter().filter(|arg| arg.name.is_none());
+    let wrong = named
+        .filter(|arg| report_arg_named_by_eq(cx, id, &arg.value))
+        .count();
+    if wrong > 0 {
+        merge_named_by_eq(cx, told);
+        return (Vec::new(), false);
+    }
+    (args.iter().map(|arg| check_arg(cx, arg)).collect(), true)
+}
+
+/// Merges the diagnostics about arguments named by `=` that were added since there were `told` diagnostics.
+fn merge_named_by_eq(cx: &mut Body<'_, '_>, told: usize) {
+    let by_eq = |finding: &Finding| finding.code == Code::RPI1010;
+    let mut others = cx.findings.split_off(told).into_iter();
+    let Some(mut first) = others.find(by_eq) else {
+        return;
+    };
+    let mut rest = Vec::new();
+    for finding in others {
+        if !by_eq(&finding) {
+            rest.push(finding);
+            continue;
+        }
+        first = first.also(finding.span(), "and here");
+        let edits = finding.fixes.into_iter().flat_map(|fix| fix.edits);
+        if let Some(fix) = first.fixes.first_mut() {
+            fix.edits.extend(edits);
+        }
+    }
+    cx.findings.push(first);
+    cx.findings.extend(rest);
+}
+
+/// Whether the expression is `x = e` where `x` is meant as the name of an argument; reported if so.
+pub(crate) fn report_arg_named_by_eq<'a>(
+    cx: &mut Body<'_, 'a>,
+    id: DeclId,
+    value: &'a Expr,
+) -> bool {
+    let ExprKind::Binary(binary) = &value.kind else {
+        return false;
+    };
+    let is_sign = matches!(binary.op, BinaryOp::Eq | BinaryOp::Implies);
+    let Some(name) = plain_name(&binary.lhs).filter(|_| is_sign) else {
+        return false;
+    };
+    if locals::find_local(cx, name).is_some() || !static_args::has_param(cx.c, id, name) {
+        return false;
+    }
+    let between = Span {
+        start: binary.lhs.span.end,
+        end: binary.rhs.span.start,
+        ..value.span
+    };
+    let finding = Finding::new(
+        Code::RPI1010,
+        format!("expected `:` after the argument name `{name}`"),
+    )
+    .at(
+        between,
+        format!("`{}` is a comparison", binary.op.spelling()),
+    )
+    // Not applied automatically: another argument of the call may really be a comparison of flows.
+    .fix(Fix::maybe(format!("write `{name}: ...`")).replace(between, ": "));
+    report::report_diagnostic(cx, finding);
+    expr::check_expr(cx, &binary.rhs);
+    true
+}
+
+/// Replaces positional arguments that are tuples by their elements: `f(g(x))` where `g` has two outputs.
+pub(crate) fn flatten_tuple_args<'a>(
+    cx: &mut Body<'_, 'a>,
+    given: Vec<Given<'a>>,
+) -> Vec<Given<'a>> {
+    let mut all = Vec::with_capacity(given.len());
+    for arg in given {
+        match cx.ty_of(arg.value) {
+            Ty::Tuple(_) if arg.name.is_none() => {
+                let parts = tuple_elements(cx, arg.value);
+                all.extend(parts.into_iter().map(Given::plain));
+            }
+            _ => all.push(arg),
+        }
+    }
+    all
+}
+
+/// Replaces positional arguments that are tuples by their elements, except where the port takes a tuple.
+fn flatten_tuple_args_for<'a>(
+    cx: &mut Body<'_, 'a>,
+    header: &Header,
+    given: &[Given<'a>],
+) -> Vec<Given<'a>> {
+    let is_tuple = |arg: &Given<'_>| matches!(cx.ty_of(arg.value), Ty::Tuple(_));
+    let (named, placed): (Vec<Given<'a>>, Vec<Given<'a>>) =
+        given.iter().partition(|arg| arg.name.is_some());
+    if !placed.iter().any(is_tuple) {
+        return given.to_vec();
+    }
+    let is_named = |k: &usize| {
+        let mut names = named.iter().filter_map(|arg| arg.name);
+        names.any(|name| name.name == header.inputs[*k].name)
+    };
+    let ports = by_place(header).into_iter().filter(|k| !is_named(k));
+    let wanted: Vec<Option<&Ty>> = ports.map(|k| Some(&header.inputs[k].ty)).collect();
+    let values: Vec<ExprId> = placed.iter().map(|arg| arg.value).collect();
+    let types: Vec<Ty> = values.iter().map(|id| cx.ty_of(*id).clone()).collect();
+    let pieces = tuple_pieces::pieces(&types, &wanted).into_iter();
+    let spread = pieces.map(|piece| match piece.ty == types[piece.of] {
+        true => placed[piece.of],
+        false => Given::plain(add_piece(cx, values[piece.of], piece)),
+    });
+    named
+        .into_iter()
+        .chain(spread.collect::<Vec<_>>())
+        .collect()
+}
+
+/// Adds an expression for a part of a tuple.
+fn add_piece(cx: &mut Body<'_, '_>, base: ExprId, piece: Piece) -> ExprId {
+    let span = cx.span_of(base);
+    let at = piece.at;
+    cx.add(Kind::Part { base, at }, piece.ty, span)
+}
+
+/// Returns the elements of a tuple as expressions.
+pub(crate) fn tuple_elements(cx: &mut Body<'_, '_>, base: ExprId) -> Vec<ExprId> {
+    let pieces = tuple_pieces::all(cx.ty_of(base)).into_iter();
+    pieces.map(|piece| add_piece(cx, base, piece)).collect()
+}
+
+/// Returns the argument of each in-port of a callable. Reports unknown, missing and excess arguments and returns
+/// `None` if there are any.
+pub(crate) fn match_args_to_ports<'a>(
+    cx: &mut Body<'_, 'a>,
+    header: &Rc<Header>,
+    given: &[Given<'a>],
+    span: Span,
+) -> Option<Vec<Option<ExprId>>> {
+    let given = &flatten_tuple_args_for(cx, header, given)[..];
+    let mut args = vec![None; header.inputs.len()];
+    let mut places = by_place(header).into_iter();
+    let mut sound = true;
+    for arg in given {
+        let port = match arg.name {
+            Some(name) => header.inputs.iter().position(|p| p.name == name.name),
+            None => places.find(|k| args[*k].is_none()),
+        };
+        sound &= match port {
+            Some(k) => assign_arg(cx, header, &mut args, k, arg),
+            None => report_unexpected_arg(cx, header, arg, given),
+        };
+    }
+    // An argument with a misspelt name is not reported as missing as well.
+    (sound && check_missing_args(cx, header, &args, span)).then_some(args)
+}
+
+/// Assigns an argument to port `k`. Reports a second argument for the port and an argument that must be fixed at
+/// load time but is not.
+fn assign_arg<'a>(
+    cx: &mut Body<'_, 'a>,
+    header: &Header,
+    args: &mut [Option<ExprId>],
+    k: usize,
+    arg: &Given<'a>,
+) -> bool {
+    let port = &header.inputs[k];
+    if let Some(first) = args[k].replace(arg.value) {
+        let finding = Finding::new(Code::RPI1010, format!("`{}` is given twice", port.name))
+            .at(cx.span_of(arg.value), "given again here")
+            .also(cx.span_of(first), "first given here");
+        report::report_diagnostic(cx, finding);
+        return false;
+    }
+    if arg.is_static && !is_load_time_constant(cx, arg.value) {
+        let finding = Finding::new(
+            Code::RPI2008,
+            format!("`{}` must be fixed when the command is loaded", port.name),
+        )
+        .at(
+            cx.span_of(arg.value),
+            "this changes while the command runs",
+        )
+        .help(match port.role {
+            FlowRole::Param => format!(
+                "arguments in `<<...>>` are fixed at load time; in `{}`, declare `{}` as an in-port to let it change",
+                short(&header.name),
+                port.name
+            ),
+            _ => format!(
+                "arguments in `<<...>>` are fixed at load time; pass this one in `(...)`: `{}: x`",
+                port.name
+            ),
+        });
+        report::report_diagnostic(cx, finding);
+        return false;
+    }
+    if !arg.is_static && port.role == FlowRole::Param && !is_load_time_constant(cx, arg.value) {
+        let finding = Finding::new(
+            Code::RPI2008,
+            format!(
+                "the parameter `{}` of `{}` must be fixed when the command is loaded",
+                port.name, header.name
+            ),
+        )
+        .at(cx.span_of(arg.value), "this changes while the command runs")
+        .also(port.span, "declared as a parameter here");
+        report::report_diagnostic(cx, finding);
+        return false;
+    }
+    true
+}
+
+/// Reports named arguments that match no port or parameter of a declaration; returns whether there are any.
+pub(crate) fn report_unknown_args<'a>(
+    cx: &mut Body<'_, 'a>,
+    id: DeclId,
+    given: &[Given<'a>],
+) -> bool {
+    let ports = static_args::in_port_names(cx.c, id);
+    let params = static_args::static_params_of(cx.c, id);
+    let names = ports.chain(params.iter().map(|param| &param.name().name));
+    let names: Vec<&Name> = names.collect();
+    let decl = cx.c.program.decl(id);
+    let named = given.iter().filter_map(|arg| arg.name);
+    let strangers = named.filter(|name| !names.contains(&&name.name));
+    let strangers: Vec<Finding> = strangers
+        .map(|name| stranger(&decl.name, decl.span, &names, name, given))
+        .collect();
+    let any = !strangers.is_empty();
+    strangers
+        .into_iter()
+        .for_each(|finding| report::report_diagnostic(cx, finding));
+    any
+}
+
+/// Reports an argument without a matching port; returns `false`.
+fn report_unexpected_arg<'a>(
+    cx: &mut Body<'_, 'a>,
+    header: &Header,
+    arg: &Given<'a>,
+    given: &[Given<'a>],
+) -> bool {
+    let (ports, count) = (by_place(header).len(), given.len());
+    let finding = match arg.name {
+        Some(name) => {
+            let names: Vec<&Name> = header.inputs.iter().map(|p| &p.name).collect();
+            stranger(&header.name, header.span, &names, name, given)
+        }
+        None => Finding::new(
+            Code::RPI1010,
+            format!(
+                "`{}` takes {}, found {count}",
+                header.name,
+                rpi_diag::counted(ports, "argument")
+            ),
+        )
+        .at(cx.span_of(arg.value), "unexpected argument")
+        .also(header.span, "declared here")
+        .help(format!("it is declared as `{}`", signature(header))),
+    };
+    report::report_diagnostic(cx, finding);
+    false
+}
+
+/// Whether every port without a default has an argument; reports the missing ones.
+fn check_missing_args(
+    cx: &mut Body<'_, '_>,
+    header: &Rc<Header>,
+    args: &[Option<ExprId>],
+    span: Span,
+) -> bool {
+    let ports = header.inputs.iter().enumerate().zip(args);
+    // Values that a command takes over from its predecessor are not arguments.
+    let open = ports.filter(|((_, port), arg)| {
+        arg.is_none() && !port.has_default && port.role != FlowRole::Given
+    });
+    let open: Vec<(usize, &Port)> = open.map(|(port, _)| port).collect();
+    let may_lack = open.iter().all(|(_, port)| port.is_static) && !cx.inferring;
+    if open.is_empty() || may_lack && unit::reads_no_ports(cx.c, header, &open, span) {
+        return true;
+    }
+    let open: Vec<Name> = open.iter().map(|(_, port)| port.name.clone()).collect();
+    let names = listed(open.iter().map(Name::as_str));
+    let finding = Finding::new(
+        Code::RPI1010,
+        format!("missing {names} of `{}`", header.name),
+    )
+    .at(span, "arguments are missing")
+    .also(header.span, "declared here")
+    .help(format!("it is declared as `{}`", signature(header)));
+    report::report_diagnostic(cx, finding);
+    false
+}
+
+/// Checks the types of the arguments and infers the free names of the signature into `subst`.
+pub(crate) fn check_arg_types(
+    cx: &mut Body<'_, '_>,
+    header: &Header,
+    args: &mut [Option<ExprId>],
+    subst: &mut Subst,
+) -> bool {
+    let mut sound = true;
+    if argument_order::report_wrong_order(cx, header, args, subst) {
+        return false;
+    }
+    exact_time::convert_time_args(cx, header, args);
+    for (port, arg) in header.inputs.iter().zip(&*args) {
+        let Some(arg) = *arg else {
+            continue;
+        };
+        bind_device_frames(cx, port, arg, subst);
+        let found = cx.ty_of(arg).clone();
+        match fit(&port.ty, &found, subst) {
+            Ok(()) => sound &= expr::check_angle_unit(cx, arg, &port.ty),
+            Err(misfit) => {
+                let expected = port.ty.substituted(subst);
+                let text = format!("`{}` is `{expected}`", port.name);
+                report::type_mismatch(cx, arg, &expected, &misfit, &Wanted::By(port.span, text));
+                sound = false;
+            }
+        }
+    }
+    sound
+}
+
+/// Binds the frames of a device parameter to those of the device passed for it.
+fn bind_device_frames(cx: &mut Body<'_, '_>, port: &Port, arg: ExprId, subst: &mut Subst) {
+    let (Ty::Device(device), Kind::Flow(flow)) = (&port.ty, &cx.unit.expr(arg).kind) else {
+        return;
+    };
+    let outer = cx.unit.flow(*flow).name.clone();
+    for local in &device.frames {
+        let inner = format!("{}.{local}", port.name);
+        let outer = format!("{outer}.{local}");
+        subst.frames.insert(inner.into(), Some(outer.into()));
+    }
+}
+
+/// Whether a value is the same in all cycles, as it depends on constants and parameters only.
+pub(crate) fn is_load_time_constant(cx: &Body<'_, '_>, id: ExprId) -> bool {
+    let mut parts = cx.unit.parts(id);
+    while let Some((id, expr)) = parts.next() {
+        let fixed = match &expr.kind {
+            Kind::Flow(flow) => cx.unit.flow(*flow).role == FlowRole::Param,
+            Kind::Sensor { .. } | Kind::When { .. } | Kind::Merge { .. } | Kind::Current(_) => {
+                false
+            }
+            Kind::Each(each, _) => {
+                matches!(each, crate::typed::Each::If | crate::typed::Each::Coalesce)
+            }
+            Kind::Prim(call) => {
+                let desc = call.prim.desc();
+                desc.role == rpi_image::Role::Compute
+                    && matches!(desc.state, rpi_image::State::None)
+            }
+            Kind::Call(call) => cx.c.units[call.unit.0 as usize].kind == UnitKind::Function,
+            _ => true,
+        };
+        if !fixed {
+            return false;
+        }
+        parts.enter(id);
+    }
+    true
+}
+
+/// Returns the name of a callable without the static arguments of the instance.
+fn short(name: &Name) -> &str {
+    name.split("<<").next().unwrap_or(name)
+}
+
+/// Returns the name of a callable and its in-ports with their types, for messages. Long lists are cut off.
+pub(crate) fn signature(header: &Header) -> String {
+    const LONGEST: usize = 6;
+    let wanted = |port: &&Port| port.role != FlowRole::Given;
+    let mut ports: Vec<String> = Vec::new();
+    for port in header.inputs.iter().filter(wanted).take(LONGEST) {
+        ports.push(format!("{}: {}", port.name, port.ty));
+    }
+    if header.inputs.iter().filter(wanted).count() > LONGEST {
+        ports.push("...".to_owned());
+    }
+    format!("{}({})", header.name, ports.join("; "))
+}
+
+/// Returns the diagnostic for a named argument that matches no port or parameter.
+fn stranger(
+    of: &Name,
+    declared: Span,
+    names: &[&Name],
+    name: &Ident,
+    given: &[Given<'_>],
+) -> Finding {
+    let is_given = |other: &Name| {
+        given
+            .iter()
+            .any(|arg| arg.name.is_some_and(|n| n.name == *other))
+    };
+    let open = names.iter().filter(|other| !is_given(other));
+    let near = rpi_diag::suggest(&name.name, open.map(|name| name.as_str()));
+    let names = listed(names.iter().map(|name| name.as_str()));
+    crate::check::signatures::static_args::no_param(of, name, near)
+        .also(declared, format!("its ports and parameters are {names}"))
+}
+
+/// Returns the indices of the ports that take positional arguments.
+fn by_place(header: &Header) -> Vec<usize> {
+    let wanted = |port: &Port| match (header.kind, port.role) {
+        (kind, role) if kind.is_root() => role == FlowRole::Param,
+        (_, FlowRole::Param) => !port.is_static,
+        (_, role) => role == FlowRole::Input,
+    };
+    let ports = header.inputs.iter().enumerate();
+    ports
+        .filter(|(_, port)| wanted(port))
+        .map(|(k, _)| k)
+        .collect()
+}

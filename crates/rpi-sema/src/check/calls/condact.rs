@@ -1,0 +1,83 @@
+//! `condact<<node, default>>(c, x, ...)` of Lustre V6: the node runs when `c` is true. The output is held between
+//! activations, and is `default` before the first one.
+
+use crate::check::bodies::body::Body;
+use crate::check::bodies::statement;
+use crate::check::calls::args;
+use crate::check::calls::args::Given;
+use crate::check::calls::call;
+use crate::check::calls::callable::Callable;
+use crate::check::diagnostics::report::Wanted;
+use crate::check::exprs::expr;
+use crate::check::signatures::static_args;
+use crate::ty::Ty;
+use crate::typed::{Activation, Each, ExprId, Kind};
+use rpi_diag::{Code, Finding, Span};
+use rpi_syntax::ast::{Call, Expr, StaticValue};
+
+/// Checks a call of `condact` with static arguments.
+pub(crate) fn condact_call<'a>(cx: &mut Body<'_, 'a>, call: &'a Call, span: Span) -> ExprId {
+    let given = args::check_args(cx, &call.args);
+    let mut given = flatten_first_arg(cx, given).into_iter();
+    let (Some(every), [callee, default]) = (given.next(), &call.callee.statics[..]) else {
+        let finding = Finding::new(Code::RPI1010, "missing arguments of `condact`")
+            .at(span, "invalid arguments")
+            .help("write `condact<<node, default>>(condition, arguments)`");
+        return cx.fault_with(finding, span);
+    };
+    let StaticValue::Expr(default) = &default.value else {
+        let finding =
+            Finding::new(Code::RPI1010, "a value is expected here").at(default.span, "not a value");
+        return cx.fault_with(finding, span);
+    };
+    let Some(callable) = static_args::static_callee(cx, callee) else {
+        return cx.fault(span);
+    };
+    cx.has_state(span);
+    statement::expect_type(cx, every.value, &Ty::Bool, &Wanted::Here);
+    let default = expr::check_expr(cx, default);
+    let rest = given.collect();
+    match callable {
+        Callable::Unit(..) => {
+            let activation = Activation::Condact {
+                every: every.value,
+                default: Some(default),
+                restart: None,
+            };
+            call::call_callable(cx, &callable, rest, activation, span)
+        }
+        _ => condact_of_operator(cx, &callable, rest, [every.value, default], span),
+    }
+}
+
+/// Decomposes the first argument, as the condition may be the first output of a call.
+fn flatten_first_arg<'a>(cx: &mut Body<'_, 'a>, mut given: Vec<Given<'a>>) -> Vec<Given<'a>> {
+    let rest = given.split_off(given.len().min(1));
+    args::flatten_tuple_args(cx, given)
+        .into_iter()
+        .chain(rest)
+        .collect()
+}
+
+/// Checks the value of the output before the first activation. Between activations the output is held.
+pub(crate) fn check_condact_default<'a>(cx: &mut Body<'_, 'a>, default: &'a Expr) -> ExprId {
+    cx.has_state(default.span);
+    expr::check_expr(cx, default)
+}
+
+/// Checks `condact` of an operator, which has no state of its own: its value is held while the condition is false.
+fn condact_of_operator<'a>(
+    cx: &mut Body<'_, 'a>,
+    callable: &Callable,
+    given: Vec<Given<'a>>,
+    [every, default]: [ExprId; 2],
+    span: Span,
+) -> ExprId {
+    let value = call::call_callable(cx, callable, given, Activation::Always, span);
+    let ty = cx.ty_of(value).clone();
+    statement::expect_type(cx, default, &ty, &Wanted::Here);
+    let none = cx.add(Kind::None, ty.clone(), span);
+    let there = Kind::Each(Each::If, [every, value, none].into());
+    let there = cx.add(there, ty.clone(), span);
+    cx.add(Kind::Each(Each::Hold, [there, default].into()), ty, span)
+}

@@ -1,0 +1,361 @@
+//! Iterators over arrays. They are expanded to one call per element.
+
+use crate::check::bodies::body::Body;
+use crate::check::bodies::statement;
+use crate::check::calls::args;
+use crate::check::calls::args::Given;
+use crate::check::calls::call;
+use crate::check::calls::callable::Callable;
+use crate::check::diagnostics::report;
+use crate::check::diagnostics::report::Wanted;
+use crate::check::exprs::access::leaves;
+use crate::check::exprs::compose;
+use crate::check::exprs::ops;
+use crate::check::limits::nesting;
+use crate::check::signatures::static_args;
+use crate::check::types::consts;
+use crate::program::Program;
+use crate::ty::{Member, Ty};
+use crate::typed::{Activation, ExprId, Kind, Leaf};
+use rpi_diag::{Code, Finding, Span};
+use rpi_net::prim;
+use rpi_syntax::ast::{StaticArg, StaticValue};
+use rpi_syntax::ops::BinaryOp;
+use std::rc::Rc;
+
+/// Names of the iterators.
+pub(crate) const NAMES: &[&str] = &[
+    "map", "red", "fold", "fill", "fillred", "mapfold", "boolred", "condact",
+];
+
+/// Kind of an iterator.
+#[derive(Clone, Copy, PartialEq, Debug)]
+enum Way {
+    /// Applies the callee to each element.
+    Map,
+    /// Passes an accumulator through the calls; each call may also read an element and produce an element.
+    Fill,
+    /// Tests whether the number of true elements is in a range, given by its two bounds.
+    Count(i64, i64),
+}
+
+/// Iterator with its static arguments.
+#[derive(Clone, Debug)]
+pub(crate) struct Iteration {
+    name: &'static str,
+    way: Way,
+    callee: Option<Callable>,
+    size: u32,
+}
+
+impl Iteration {
+    /// Returns the name for messages: `map<<f; 3>>`.
+    pub(crate) fn name(&self, program: &Program<'_>) -> String {
+        let size = self.size;
+        match (&self.callee, self.way) {
+            (Some(callee), _) => format!("{}<<{}; {size}>>", self.name, callee.name(program)),
+            (None, Way::Count(least, most)) => format!("{}<<{least}; {most}; {size}>>", self.name),
+            (None, _) => format!("{}<<{size}>>", self.name),
+        }
+    }
+
+    /// Appends the text that distinguishes this iterator from others in keys of instances.
+    pub(crate) fn write_key(&self, key: &mut String) {
+        key.push_str(self.name);
+        key.push_str("<<");
+        if let Some(callee) = &self.callee {
+            callee.write_key(key);
+        }
+        key.push_str(&format!("; {}; {:?}>>", self.size, self.way));
+    }
+
+    /// Returns the callable that is applied to each element.
+    pub(crate) fn callee(&self) -> Option<&Callable> {
+        self.callee.as_ref()
+    }
+
+    /// Returns the type of the port at this place, from that of the callee's port at the same place.
+    pub(crate) fn port_type(&self, place: usize, of_callee: &Ty) -> Ty {
+        match self.way {
+            Way::Fill if place == 0 => of_callee.clone(),
+            _ => Ty::Array(Rc::new(of_callee.clone()), self.size),
+        }
+    }
+}
+
+/// Checks an iterator with its static arguments.
+pub(crate) fn resolve_iterator<'a>(
+    cx: &mut Body<'_, 'a>,
+    name: &'static str,
+    statics: &'a [StaticArg],
+    span: Span,
+) -> Option<Iteration> {
+    match (name, statics) {
+        ("boolred", [least, most, size]) => {
+            let bounds = (static_int_arg(cx, least)?, static_int_arg(cx, most)?);
+            let n = static_size_arg(cx, size)?;
+            check_boolred_bounds(cx, bounds, n, [least, most])?;
+            Some(Iteration {
+                name,
+                way: Way::Count(bounds.0, bounds.1),
+                callee: None,
+                size: n,
+            })
+        }
+        ("map" | "red" | "fold" | "fill" | "fillred" | "mapfold", [callee, size]) => {
+            let way = if name == "map" { Way::Map } else { Way::Fill };
+            Some(Iteration {
+                name,
+                way,
+                callee: Some(static_args::static_callee(cx, callee)?),
+                size: static_size_arg(cx, size)?,
+            })
+        }
+        _ => {
+            let form = match name {
+                "boolred" => "boolred<<least; most; size>>(array)".to_owned(),
+                _ => format!("{name}<<node; size>>(...)"),
+            };
+            let finding = Finding::new(
+                Code::RPI1010,
+                format!("wrong number of static arguments of `{name}`"),
+            )
+            .at(span, "wrong number of arguments")
+            .help(format!("write `{form}`"));
+            report::report_diagnostic(cx, finding);
+            None
+        }
+    }
+}
+
+/// Checks the bounds of `boolred`, as Lustre V6 does; `None` after an error.
+fn check_boolred_bounds(
+    cx: &mut Body<'_, '_>,
+    (least, most): (i64, i64),
+    n: u32,
+    args: [&StaticArg; 2],
+) -> Option<()> {
+    let (arg, text) = match (least, most) {
+        _ if least < 0 => (args[0], format!("{least} is less than 0")),
+        _ if most > n.into() => (args[1], format!("{most} is greater than the size {n}")),
+        _ if least > most => (args[0], format!("{least} is greater than {most}")),
+        _ => return Some(()),
+    };
+    let message = "`boolred<<least; most; size>>` requires 0 <= least <= most <= size";
+    report::report_diagnostic(cx, Finding::new(Code::RPI2009, message).at(arg.span, text));
+    None
+}
+
+fn static_int_arg<'a>(cx: &mut Body<'_, 'a>, arg: &'a StaticArg) -> Option<i64> {
+    match &arg.value {
+        StaticValue::Expr(expr) => consts::const_integer(cx, expr),
+        _ => {
+            let finding = Finding::new(Code::RPI1010, "an integer is expected here")
+                .at(arg.span, "not an integer");
+            report::report_diagnostic(cx, finding);
+            None
+        }
+    }
+}
+
+fn static_size_arg<'a>(cx: &mut Body<'_, 'a>, arg: &'a StaticArg) -> Option<u32> {
+    match &arg.value {
+        StaticValue::Expr(expr) => compose::const_size(cx, expr),
+        _ => static_int_arg(cx, arg).and_then(|n| u32::try_from(n).ok()),
+    }
+}
+
+/// Applies an iterator to checked arguments.
+pub(crate) fn apply_iterator<'a>(
+    cx: &mut Body<'_, 'a>,
+    iteration: &Iteration,
+    given: &[Given<'a>],
+    span: Span,
+) -> ExprId {
+    let given = args::flatten_tuple_args(cx, given.to_vec());
+    let values: Vec<ExprId> = given.iter().map(|arg| arg.value).collect();
+    match (iteration.way, &iteration.callee) {
+        (Way::Map, Some(callee)) => map_arrays(cx, callee, &values, iteration.size, span),
+        (Way::Fill, Some(callee)) => fold_arrays(cx, callee, &values, iteration.size, span),
+        (Way::Count(least, most), _) => count_true(cx, least, most, &values, iteration.size, span),
+        _ => cx.fault(span),
+    }
+}
+
+/// Returns element `k` of each array; reports arrays whose size is not `n`.
+fn elements_at(cx: &mut Body<'_, '_>, arrays: &[ExprId], k: u32, n: u32) -> Option<Vec<ExprId>> {
+    let place = arrays
+        .first()
+        .map_or(Span::NONE, |array| cx.span_of(*array));
+    if !nesting::may_expand(cx, place) {
+        return None;
+    }
+    let mut elements = Vec::with_capacity(arrays.len());
+    for array in arrays {
+        let span = cx.span_of(*array);
+        match cx.ty_of(*array).clone() {
+            Ty::Array(element, m) if m == n => {
+                let at = k * leaves(&element);
+                elements.push(cx.add(Kind::Part { base: *array, at }, (*element).clone(), span));
+            }
+            Ty::Unknown => return None,
+            ty => {
+                let finding = Finding::new(
+                    Code::RPI2009,
+                    format!(
+                        "expected an array of {}, found `{ty}`",
+                        rpi_diag::counted(n, "element")
+                    ),
+                )
+                .at(span, format!("this is `{ty}`"));
+                report::report_diagnostic(cx, finding);
+                return None;
+            }
+        }
+    }
+    Some(elements)
+}
+
+/// Calls the callee for one element and returns its outputs.
+fn call_element(
+    cx: &mut Body<'_, '_>,
+    callee: &Callable,
+    args: Vec<ExprId>,
+    span: Span,
+) -> Vec<ExprId> {
+    let given = args.into_iter().map(Given::plain).collect();
+    let result = call::call_callable(cx, callee, given, Activation::Always, span);
+    match cx.ty_of(result) {
+        Ty::Tuple(_) => args::tuple_elements(cx, result),
+        _ => vec![result],
+    }
+}
+
+/// Checks `map`.
+fn map_arrays(
+    cx: &mut Body<'_, '_>,
+    callee: &Callable,
+    arrays: &[ExprId],
+    n: u32,
+    span: Span,
+) -> ExprId {
+    let mut columns: Vec<Vec<ExprId>> = Vec::new();
+    for k in 0..n {
+        let Some(elements) = elements_at(cx, arrays, k, n) else {
+            return cx.fault(span);
+        };
+        let results = call_element(cx, callee, elements, span);
+        push_row(&mut columns, &results);
+    }
+    let arrays: Vec<ExprId> = columns
+        .into_iter()
+        .map(|c| collect_column(cx, &c, span))
+        .collect();
+    one_or_tuple(cx, arrays, span)
+}
+
+/// Checks `fill`, `red` (`fold`) and `fillred` (`mapfold`). They differ only in the ports of the callee.
+fn fold_arrays(
+    cx: &mut Body<'_, '_>,
+    callee: &Callable,
+    values: &[ExprId],
+    n: u32,
+    span: Span,
+) -> ExprId {
+    let Some((first, arrays)) = values.split_first() else {
+        let finding = Finding::new(Code::RPI1010, "missing initial value of the accumulator")
+            .at(span, "expected an argument");
+        return cx.fault_with(finding, span);
+    };
+    let mut accumulator = *first;
+    let mut columns: Vec<Vec<ExprId>> = Vec::new();
+    for k in 0..n {
+        let Some(elements) = elements_at(cx, arrays, k, n) else {
+            return cx.fault(span);
+        };
+        let args = std::iter::once(accumulator).chain(elements).collect();
+        let results = call_element(cx, callee, args, span);
+        let Some((next, rest)) = results.split_first() else {
+            return cx.fault(span);
+        };
+        accumulator = *next;
+        push_row(&mut columns, rest);
+    }
+    let columns: Vec<ExprId> = columns
+        .into_iter()
+        .map(|c| collect_column(cx, &c, span))
+        .collect();
+    one_or_tuple(
+        cx,
+        std::iter::once(accumulator).chain(columns).collect(),
+        span,
+    )
+}
+
+/// Adds an array of the values of one output for all elements.
+fn collect_column(cx: &mut Body<'_, '_>, elements: &[ExprId], span: Span) -> ExprId {
+    let n = u32::try_from(elements.len()).unwrap_or(u32::MAX);
+    let element = elements
+        .first()
+        .map_or(Ty::Unknown, |id| cx.ty_of(*id).clone());
+    compose::add_array(cx, Kind::Build(elements.into()), Rc::new(element), n, span)
+}
+
+/// Returns the only value, or a tuple of several.
+fn one_or_tuple(cx: &mut Body<'_, '_>, values: Vec<ExprId>, span: Span) -> ExprId {
+    if let [one] = values[..] {
+        return one;
+    }
+    let member = |ty| Member { name: None, ty };
+    let members = values
+        .iter()
+        .map(|id| member(cx.ty_of(*id).clone()))
+        .collect();
+    cx.add(Kind::Build(values.into()), Ty::Tuple(members), span)
+}
+
+/// Checks `boolred<<least; most; n>>(a)`: whether the number of true elements is between the bounds.
+fn count_true(
+    cx: &mut Body<'_, '_>,
+    least: i64,
+    most: i64,
+    values: &[ExprId],
+    n: u32,
+    span: Span,
+) -> ExprId {
+    let [array] = values else {
+        let finding = Finding::new(Code::RPI1010, "`boolred` takes one array")
+            .at(span, "wrong number of arguments");
+        return cx.fault_with(finding, span);
+    };
+    let mut total = cx.add(Kind::Literal(Leaf::int(0)), Ty::Int, span);
+    for k in 0..n {
+        let Some(element) = elements_at(cx, &[*array], k, n) else {
+            return cx.fault(span);
+        };
+        statement::expect_type(cx, element[0], &Ty::Bool, &Wanted::Here);
+        total = increment_if(cx, element[0], total, span);
+    }
+    let bounds = [(BinaryOp::Ge, least), (BinaryOp::Le, most)];
+    let [at_least, at_most] = bounds.map(|(op, bound)| {
+        let bound = cx.add(Kind::Literal(Leaf::int(bound)), Ty::Int, span);
+        ops::binary_prim(cx, op, total, bound, span)
+    });
+    ops::logical_prim(cx, prim!("Core::BooleanAnd"), &[at_least, at_most], span)
+}
+
+/// Adds the sum of `total` and 1 if the condition holds, else `total`.
+fn increment_if(cx: &mut Body<'_, '_>, condition: ExprId, total: ExprId, span: Span) -> ExprId {
+    let [one, zero] = [1, 0].map(|v| cx.add(Kind::Literal(Leaf::int(v)), Ty::Int, span));
+    let more = Kind::Each(crate::typed::Each::If, [condition, one, zero].into());
+    let more = cx.add(more, Ty::Int, span);
+    ops::binary_prim(cx, BinaryOp::Add, total, more, span)
+}
+
+/// Appends the outputs of one call to the columns.
+fn push_row(columns: &mut Vec<Vec<ExprId>>, row: &[ExprId]) {
+    columns.resize_with(columns.len().max(row.len()), Vec::new);
+    for (column, value) in columns.iter_mut().zip(row) {
+        column.push(*value);
+    }
+}

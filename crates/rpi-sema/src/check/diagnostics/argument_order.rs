@@ -1,0 +1,124 @@
+//! Arguments in another order than the ports: reported as one error, not as one for each argument.
+
+use crate::check::bodies::body::Body;
+use crate::check::calls::args::signature;
+use crate::check::diagnostics::report;
+use crate::check::diagnostics::report::listed;
+use crate::check::signatures::header::Header;
+use crate::ty::{Subst, fit};
+use crate::typed::{ExprId, Kind};
+use rpi_diag::{Code, Finding, Fix};
+
+/// Maximum number of mismatched arguments for which other orders are tried.
+const MOST: usize = 5;
+
+/// Whether arguments match their ports only in another order; reports it if so.
+pub(crate) fn report_wrong_order(
+    cx: &mut Body<'_, '_>,
+    header: &Header,
+    args: &[Option<ExprId>],
+    subst: &Subst,
+) -> bool {
+    let mut trial = subst.clone();
+    let mut misfits = Vec::new();
+    for (k, (port, arg)) in header.inputs.iter().zip(args).enumerate() {
+        let Some(arg) = arg else { continue };
+        let found = cx.ty_of(*arg).clone();
+        if fit(&port.ty, &found, &mut trial).is_err() {
+            misfits.push(k);
+        }
+    }
+    if !(2..=MOST).contains(&misfits.len()) {
+        return false;
+    }
+    let Some(order) = matching_order(cx, header, args, &misfits, &trial) else {
+        return false;
+    };
+    let finding = wrong_order(cx, header, args, &misfits, &order);
+    report::report_diagnostic(cx, finding);
+    true
+}
+
+/// Returns for each of these ports the argument of another port that matches it.
+fn matching_order(
+    cx: &Body<'_, '_>,
+    header: &Header,
+    args: &[Option<ExprId>],
+    misfits: &[usize],
+    subst: &Subst,
+) -> Option<Vec<ExprId>> {
+    let mut order: Vec<ExprId> = Vec::new();
+    let mut left: Vec<ExprId> = misfits.iter().filter_map(|k| args[*k]).collect();
+    let mut trial = subst.clone();
+    for k in misfits {
+        let port = &header.inputs[*k];
+        let fits = |arg: &ExprId| {
+            let mut trial = trial.clone();
+            fit(&port.ty, cx.ty_of(*arg), &mut trial).is_ok()
+        };
+        // Greedy: an order that is not found this way leaves one error for each argument.
+        let at = left.iter().position(fits)?;
+        let arg = left.remove(at);
+        fit(&port.ty, &cx.ty_of(arg).clone(), &mut trial).ok()?;
+        order.push(arg);
+    }
+    Some(order)
+}
+
+fn wrong_order(
+    cx: &Body<'_, '_>,
+    header: &Header,
+    args: &[Option<ExprId>],
+    misfits: &[usize],
+    order: &[ExprId],
+) -> Finding {
+    let names = misfits.iter().map(|k| header.inputs[*k].name.as_str());
+    let message = format!(
+        "arguments for {} of `{}` are in the wrong order",
+        listed(names),
+        header.name
+    );
+    let mut finding = Finding::new(Code::RPI2001, message);
+    let mut given: Vec<(usize, ExprId)> = Vec::new();
+    given.extend(misfits.iter().filter_map(|k| Some((*k, args[*k]?))));
+    given.sort_by_key(|(_, arg)| cx.span_of(*arg).start);
+    for (at, (k, arg)) in given.iter().enumerate() {
+        let text = format!("`{}`, found `{}`", header.inputs[*k].ty, cx.ty_of(*arg));
+        let text = format!("`{}` expects {text}", header.inputs[*k].name);
+        finding = match at {
+            0 => finding.at(cx.span_of(*arg), text),
+            _ => finding.also(cx.span_of(*arg), text),
+        };
+    }
+    let finding = finding.help(format!("it is declared as `{}`", signature(header)));
+    match reorder_fix(cx, args, misfits, order) {
+        Some(fix) => finding.fix(fix),
+        None => finding,
+    }
+}
+
+/// Returns the fix that reorders the arguments, if all of them are plain names.
+fn reorder_fix(
+    cx: &Body<'_, '_>,
+    args: &[Option<ExprId>],
+    misfits: &[usize],
+    order: &[ExprId],
+) -> Option<Fix> {
+    let mut fix = Fix::maybe("pass the arguments in the order of the ports");
+    for (k, arg) in misfits.iter().zip(order) {
+        plain_flow_name(cx, args[*k]?)?;
+        let name = plain_flow_name(cx, *arg)?;
+        fix = fix.replace(cx.span_of(args[*k]?), name);
+    }
+    Some(fix)
+}
+
+/// Returns the name of a flow if the expression is only that name.
+fn plain_flow_name(cx: &Body<'_, '_>, id: ExprId) -> Option<String> {
+    let Kind::Flow(flow) = &cx.unit.expr(id).kind else {
+        return None;
+    };
+    let name = cx.unit.flow(*flow).name.to_string();
+    let span = cx.span_of(id);
+    ((span.end - span.start) as usize == name.len()).then_some(name)
+}

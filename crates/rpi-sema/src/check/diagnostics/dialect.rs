@@ -1,0 +1,215 @@
+//! Reports Lustre programs whose meaning depends on the compiler: quotient and remainder of a negative number.
+//!
+//! `div` and `mod` truncate here, in Lustre V6 and in C, but are Euclidean in Kind 2. The two agree if the dividend is
+//! not negative, and if the divisor is 1 or -1. The check therefore asks whether a dividend can be negative. Each rule
+//! has the form "this is not negative if none of these is", so that one backward search covers a unit in linear time.
+//! Only the first place of a program is reported. The other difference, the reading of `when`, is syntactic and
+//! reported by the parser.
+
+use crate::facts::literal;
+use crate::typed::{Each, Equation, ExprId, FlowId, Kind, Leaf, Place, PrimCall, Unit};
+use rpi_diag::{Code, Finding, Span};
+use rpi_net::prim;
+use rpi_prims::PrimId;
+
+/// A division: its primitive, its operator, and an example of its result here and in Kind 2.
+type Division = (PrimId, &'static str, &'static str, &'static str);
+
+const DIVISIONS: &[Division] = &[
+    (prim!("Core::IntDivide"), "div", "-7 div 2 is -3", "-4"),
+    (prim!("Rpi::IntModulo"), "mod", "-7 mod 2 is -1", "1"),
+];
+
+/// Operators whose result is not negative if their first operands, as many as given here, are not negative.
+const KEEPERS: &[(PrimId, usize)] = &[
+    (prim!("Core::IntAdd"), 2),
+    (prim!("Core::IntMultiply"), 2),
+    (prim!("Core::IntDivide"), 2),
+    (prim!("Rpi::IntModulo"), 1),
+];
+
+/// Comparisons that, if true, bound the first operand from below by the second: `>` and `>=`.
+const AT_LEAST: &[PrimId] = &[prim!("Core::IntGreater"), prim!("Rpi::IntGreaterOrEqual")];
+
+/// Returns the diagnostic for the first place whose result depends on the compiler.
+pub(crate) fn check(units: &[Unit]) -> Option<Finding> {
+    let units = units.iter().filter(|unit| unit.is_lustre);
+    let first = units.filter_map(first).min_by_key(|(at, ..)| *at);
+    first.map(|(at, division)| finding(at, division))
+}
+
+fn finding(at: Span, (_, word, here, elsewhere): &Division) -> Finding {
+    let message = format!("Lustre compilers differ in `{word}` of a negative number");
+    Finding::new(Code::RPI2015, message)
+        .at(at, "this may be negative")
+        .note(format!("here, in Lustre V6 and in C {here}; in Kind 2 it is {elsewhere}"))
+        .help("make sure that it is not negative (`if x < 0 then 0 else x`), or use only one of these compilers")
+}
+
+/// Returns the first dividend of a unit that may be negative, with its division.
+fn first(unit: &Unit) -> Option<(Span, &'static Division)> {
+    let mut search = Search::new(unit);
+    unit.exprs.iter().find_map(|expr| {
+        let Kind::Prim(call) = &expr.kind else {
+            return None;
+        };
+        let division = DIVISIONS.iter().find(|(prim, ..)| *prim == call.prim)?;
+        let (dividend, divisor) = operands(call)?;
+        let matters = !search.is_one(divisor) && search.may_be_negative(dividend);
+        matters.then(|| (unit.expr(dividend).span, division))
+    })
+}
+
+/// Returns the operands of a binary primitive.
+fn operands(call: &PrimCall) -> Option<(ExprId, ExprId)> {
+    match call.inputs[..] {
+        [Some(first), Some(second)] => Some((first, second)),
+        _ => None,
+    }
+}
+
+/// Backward search for negative values, starting at dividends. An expression that has been visited without success is
+/// not visited again.
+struct Search<'u> {
+    unit: &'u Unit,
+    /// Defining expressions of each flow; computed on first use.
+    sources: Option<Vec<Vec<ExprId>>>,
+    seen: Vec<bool>,
+}
+
+impl<'u> Search<'u> {
+    fn new(unit: &'u Unit) -> Self {
+        Search {
+            unit,
+            sources: None,
+            seen: vec![false; unit.exprs.len()],
+        }
+    }
+
+    /// Whether the search finds a value that may be negative.
+    fn may_be_negative(&mut self, dividend: ExprId) -> bool {
+        let mut open = vec![dividend];
+        while let Some(id) = open.pop() {
+            if std::mem::replace(&mut self.seen[id.0 as usize], true) {
+                continue;
+            }
+            match self.reasons(id) {
+                Some(reasons) => open.extend(reasons),
+                None => return true,
+            }
+        }
+        false
+    }
+
+    /// Returns expressions such that this expression is not negative if none of them is; `None` if it may be negative
+    /// regardless.
+    fn reasons(&mut self, id: ExprId) -> Option<Vec<ExprId>> {
+        match &self.unit.expr(id).kind {
+            Kind::Fault => Some(Vec::new()),
+            Kind::Literal(_) | Kind::Const(_) => {
+                self.constant(id).filter(|n| *n >= 0).map(|_| Vec::new())
+            }
+            Kind::Flow(flow) => self.sources(*flow),
+            Kind::When { value, .. } | Kind::Current(value) => Some(vec![*value]),
+            Kind::Merge { cases, .. } => Some(cases.iter().map(|(_, case)| *case).collect()),
+            Kind::Each(Each::If, operands) => self.choice(operands),
+            Kind::Each(_, operands) => Some(operands.to_vec()),
+            Kind::Prim(call) => {
+                let (_, count) = KEEPERS.iter().find(|(prim, _)| *prim == call.prim)?;
+                call.inputs.iter().take(*count).copied().collect()
+            }
+            _ => None,
+        }
+    }
+
+    /// Returns the defining expressions of a flow; `None` if it has none, such as an in-port.
+    fn sources(&mut self, flow: FlowId) -> Option<Vec<ExprId>> {
+        let unit = self.unit;
+        let sources = self.sources.get_or_insert_with(|| sources_of(unit));
+        let of_flow = &sources[flow.0 as usize];
+        (!of_flow.is_empty()).then(|| of_flow.clone())
+    }
+
+    /// Returns the branches of an `if`, except those that its condition proves not negative.
+    fn choice(&self, operands: &[ExprId]) -> Option<Vec<ExprId>> {
+        let [condition, yes, no] = *operands else {
+            return None;
+        };
+        let open = [(yes, true), (no, false)].into_iter();
+        let open = open.filter(|(way, holds)| !self.is_kept(condition, *holds, *way));
+        Some(open.map(|(way, _)| way).collect())
+    }
+
+    /// Whether the branch `way` is not negative because the condition holds (`holds`) or fails: `x` where `x >= 0`,
+    /// `-x` where `x < 0`.
+    fn is_kept(&self, condition: ExprId, holds: bool, way: ExprId) -> bool {
+        let Kind::Prim(test) = &self.unit.expr(condition).kind else {
+            return false;
+        };
+        let Some((high, low)) = operands(test).filter(|_| AT_LEAST.contains(&test.prim)) else {
+            return false;
+        };
+        // Here high >= low, and high > low if the test is strict and holds, or is not strict and fails.
+        let is_strict = test.prim == AT_LEAST[0];
+        let (high, low) = if holds { (high, low) } else { (low, high) };
+        let least = -i64::from(holds == is_strict);
+        let is_least = |id: ExprId, sign: i64| {
+            let n = self.constant(id).and_then(|n| n.checked_mul(sign));
+            n.is_some_and(|n| n >= least)
+        };
+        let is_same = |a: ExprId, b: ExprId| {
+            let [a, b] = [a, b].map(|id| literal(self.unit, id, true));
+            a.is_some() && a == b
+        };
+        match self.negated(way) {
+            Some(way) => is_same(way, low) && is_least(high, -1),
+            None => is_same(way, high) && is_least(low, 1),
+        }
+    }
+
+    /// Returns the operand of a negation.
+    fn negated(&self, id: ExprId) -> Option<ExprId> {
+        match &self.unit.expr(id).kind {
+            Kind::Prim(call) if call.prim == prim!("Rpi::IntNegate") => *call.inputs.first()?,
+            _ => None,
+        }
+    }
+
+    /// Returns the value of an integer constant.
+    fn constant(&self, id: ExprId) -> Option<i64> {
+        match &self.unit.expr(id).kind {
+            Kind::Literal(leaf) => leaf.as_int(),
+            Kind::Const(leaves) => match &leaves[..] {
+                [leaf] => Leaf::as_int(leaf),
+                _ => None,
+            },
+            _ => None,
+        }
+    }
+
+    /// Whether a divisor is 1 or -1.
+    fn is_one(&self, divisor: ExprId) -> bool {
+        matches!(self.constant(divisor), Some(1 | -1))
+    }
+}
+
+/// Returns the defining expressions of each flow.
+fn sources_of(unit: &Unit) -> Vec<Vec<ExprId>> {
+    let mut sources = vec![Vec::new(); unit.flows.len()];
+    for equation in unit.blocks.iter().flat_map(|block| &block.equations) {
+        for (k, target) in equation.targets.iter().enumerate() {
+            if let Place::Flow { flow, .. } = target.place {
+                sources[flow.0 as usize].push(part(unit, equation, k));
+            }
+        }
+    }
+    sources
+}
+
+/// Returns the value of target `k` of an equation: its part of a tuple, or else the whole value.
+fn part(unit: &Unit, equation: &Equation, k: usize) -> ExprId {
+    match &unit.expr(equation.value).kind {
+        Kind::Build(parts) if parts.len() == equation.targets.len() => parts[k],
+        _ => equation.value,
+    }
+}

@@ -1,0 +1,133 @@
+//! Help for functions of other languages that do not exist here.
+
+use crate::check::bodies::body::Body;
+use crate::check::calls::args::Given;
+use crate::check::diagnostics::foreign;
+use crate::check::diagnostics::suggest_callee;
+use crate::ty::Ty;
+use crate::units::Dim;
+use rpi_diag::{Code, Fix, Span};
+use rpi_syntax::ast;
+
+/// Adds the equivalent in RPI to the diagnostic about an undefined callee such as `len(a)`. `given` are its
+/// arguments.
+pub(crate) fn suggest_for_foreign_call<'a>(
+    cx: &mut Body<'_, 'a>,
+    call: &'a ast::Call,
+    given: &[Given],
+    span: Span,
+) {
+    suggest_callee::suggest_power_operator(cx, call, span);
+    let ty = given
+        .first()
+        .map_or(Ty::Unknown, |first| cx.ty_of(first.value).clone());
+    let name = &call.callee.name;
+    let Some((help, fix)) = here(&name.name.to_lowercase(), call, &ty) else {
+        return;
+    };
+    // Other undefined names in such a call are also of the other language.
+    cx.findings.retain(|finding| {
+        let place = finding.span();
+        let inside = span.start <= place.start && place.end <= span.end && place != name.span;
+        !(inside && place.file == span.file && finding.code == Code::RPI1001)
+    });
+    if let Some(finding) = suggest_callee::diagnostic_at(cx, name.span, Code::RPI1001) {
+        finding.help = vec![help];
+        finding.fixes = fix.into_iter().collect();
+    }
+}
+
+/// Returns the help text for a foreign call, and a fix where it is certain enough.
+fn here(name: &str, call: &ast::Call, ty: &Ty) -> Option<(String, Option<Fix>)> {
+    let place = call.callee.name.span;
+    match name {
+        "prev" | "previous" | "old" => {
+            let fix = Fix::maybe("write `pre`").replace(place, "pre ");
+            let help =
+                "the value of the previous cycle is `pre x`, with an initial value `0 -> pre x`";
+            Some((help.to_owned(), (call.args.len() == 1).then_some(fix)))
+        }
+        "len" | "length" | "numel" | "sizeof" => {
+            let help = match ty {
+                Ty::Array(_, n) => {
+                    format!("the size is part of the type of an array: here it is {n}")
+                }
+                _ => {
+                    "the size is part of the type of an array: `const n: int = 3;`, then `a: int^n`"
+                        .to_owned()
+                }
+            };
+            Some((help, None))
+        }
+        "sum" | "prod" | "all" | "reduce" | "foldl" | "accumulate" => Some(folded(name, call, ty)),
+        _ if converts_to(name).is_some() => {
+            let word = converts_to(name)?;
+            let fix = Fix::maybe(format!("write `{word}`")).replace(place, format!("{word} "));
+            let help = format!("a conversion is an operator before its operand: `{word} x`");
+            Some((help, (call.args.len() == 1).then_some(fix)))
+        }
+        "delay" => {
+            let help = "delay by one cycle: `0 -> pre x`; test whether `c` held for 1 s: `on_delay<<delay: 1.0[s]>>(c)`";
+            Some((help.to_owned(), None))
+        }
+        "wait" | "sleep" | "usleep" | "pause" | "waittime" | "waituntil" | "wait_sec" | "dwell" => {
+            let help = "a cycle cannot wait; test whether `c` held for 1 s: `on_delay<<delay: 1.0[s]>>(c)`";
+            Some((help.to_owned(), None))
+        }
+        "print" | "printf" | "println" | "puts" | "echo" | "fprintf" | "disp" | "display"
+        | "log" | "write" | "writeln" | "tpwrite" | "msg" | "cout" | "debug" => {
+            let help = "a node cannot print; its out-ports are visible in a run, and a command can export flows: `export x;`";
+            Some((help.to_owned(), None))
+        }
+        _ => crate::check::diagnostics::foreign_idioms::of_call(name)
+            .map(|help| (help.to_owned(), None)),
+    }
+}
+
+/// Returns the type to which a function of another language converts: `float`, `INT_TO_REAL`, `toInt`.
+fn converts_to(name: &str) -> Option<&'static str> {
+    let target = match name.rsplit_once("_to_").or_else(|| name.rsplit_once("to")) {
+        Some((from, target)) if from.is_empty() || foreign::type_here(from).is_some() => target,
+        Some((_, target)) if name.contains("_to_") => target,
+        _ => name,
+    };
+    let target = target.trim_start_matches('_');
+    let known = |word: &'static str| {
+        (target == word || foreign::type_here(target) == Some(word)).then_some(word)
+    };
+    known("real").or_else(|| known("int"))
+}
+
+/// Returns the help text and fix that replace `sum(a)` and the like by `red`.
+fn folded(name: &str, call: &ast::Call, ty: &Ty) -> (String, Option<Fix>) {
+    let (op, with) = match name {
+        "prod" => ("*", "1"),
+        "all" => ("and", "true"),
+        _ => ("+", "0"),
+    };
+    let Ty::Array(element, n) = ty else {
+        let help = format!("for an array of 3 elements use `red<<{op}, 3>>({with}, a)`");
+        return (help, None);
+    };
+    let with = match (&**element, name) {
+        (Ty::Real(_), "prod") => "1.0",
+        (Ty::Real(_), _) => "0.0",
+        _ => with,
+    };
+    let is_plain = match (&**element, name) {
+        (Ty::Bool, "all") | (Ty::Int, "sum" | "prod") => true,
+        (Ty::Real(dim), "sum" | "prod") => *dim == Dim::ONE,
+        _ => false,
+    };
+    let callee = format!("red<<{op}, {n}>>");
+    let help = format!("for this array use `{callee}({with}, a)`");
+    let fix = match &call.args[..] {
+        [only] if is_plain => Some(
+            Fix::maybe(format!("write `{callee}`"))
+                .replace(call.callee.name.span, callee)
+                .insert_before(only.value.span, format!("{with}, ")),
+        ),
+        _ => None,
+    };
+    (help, fix)
+}

@@ -1,0 +1,273 @@
+//! Names of types, values and functions in other languages, with their equivalents in RPI, for suggestions.
+
+/// A name of another language and its equivalent.
+type Row = (&'static str, &'static str);
+
+/// Types, in lower case.
+const TYPES: &[Row] = &[
+    ("float", "real"),
+    ("float32", "real"),
+    ("float64", "real"),
+    ("double", "real"),
+    ("single", "real"),
+    ("f32", "real"),
+    ("f64", "real"),
+    ("real", "real"),
+    ("lreal", "real"),
+    ("number", "real"),
+    ("num", "real"),
+    ("decimal", "real"),
+    ("float16", "real"),
+    ("float_t", "real"),
+    ("double_t", "real"),
+    ("int", "int"),
+    ("integer", "int"),
+    ("dint", "int"),
+    ("lint", "int"),
+    ("uint", "int"),
+    ("long", "int"),
+    ("short", "int"),
+    ("sint", "int"),
+    ("usint", "int"),
+    ("udint", "int"),
+    ("ulint", "int"),
+    ("unsigned", "int"),
+    ("signed", "int"),
+    ("byte", "int"),
+    ("word", "int"),
+    ("dword", "int"),
+    ("lword", "int"),
+    ("char", "int"),
+    ("natural", "int"),
+    ("nat", "int"),
+    ("counter", "int"),
+    ("i8", "int"),
+    ("i16", "int"),
+    ("i32", "int"),
+    ("i64", "int"),
+    ("i128", "int"),
+    ("isize", "int"),
+    ("u8", "int"),
+    ("u16", "int"),
+    ("u32", "int"),
+    ("u64", "int"),
+    ("u128", "int"),
+    ("usize", "int"),
+    ("size_t", "int"),
+    ("int8", "int"),
+    ("int16", "int"),
+    ("int32", "int"),
+    ("int64", "int"),
+    ("uint8", "int"),
+    ("uint16", "int"),
+    ("uint32", "int"),
+    ("uint64", "int"),
+    ("int8_t", "int"),
+    ("int16_t", "int"),
+    ("int32_t", "int"),
+    ("int64_t", "int"),
+    ("uint8_t", "int"),
+    ("uint16_t", "int"),
+    ("uint32_t", "int"),
+    ("uint64_t", "int"),
+    ("bool", "bool"),
+    ("boolean", "bool"),
+    ("logical", "bool"),
+    ("bit", "bool"),
+    ("bool_t", "bool"),
+    ("_bool", "bool"),
+    ("vec3", "Vector"),
+    ("vector3", "Vector"),
+    ("quaternion", "Rotation"),
+    ("quat", "Rotation"),
+    ("orientation", "Rotation"),
+    ("orient", "Rotation"),
+    ("vector3d", "Vector"),
+    ("position", "Vector"),
+    ("pos3", "Vector"),
+    ("transform", "Pose"),
+    ("robtarget", "Pose"),
+    ("e6pos", "Pose"),
+    ("cartpos", "Pose"),
+    ("se3", "Pose"),
+    ("duration", "real[s]"),
+];
+
+/// Values, in lower case.
+const VALUES: &[Row] = &[
+    ("true", "true"),
+    ("false", "false"),
+    ("null", "none"),
+    ("nil", "none"),
+    ("none", "none"),
+    ("nullptr", "none"),
+    ("undefined", "none"),
+    ("absent", "none"),
+    ("on", "true"),
+    ("yes", "true"),
+    ("off", "false"),
+    ("now", "time"),
+    ("cycle_time", "dt"),
+    ("delta_t", "dt"),
+    ("pi", "pi"),
+    ("m_pi", "pi"),
+    ("math_pi", "pi"),
+];
+
+/// Functions, in lower case.
+const CALLS: &[Row] = &[
+    ("fabs", "abs"),
+    ("abs", "abs"),
+    ("fmin", "min"),
+    ("fmax", "max"),
+    ("log", "ln"),
+    ("arcsin", "asin"),
+    ("arccos", "acos"),
+    ("arctan", "atan"),
+    ("arctan2", "atan2"),
+    ("sgn", "sign"),
+    ("ceiling", "ceil"),
+    ("sinus", "sin"),
+    ("cosinus", "cos"),
+    ("sine", "sin"),
+    ("cosine", "cos"),
+    ("tangent", "tan"),
+    ("squareroot", "sqrt"),
+    ("square_root", "sqrt"),
+    ("absolute", "abs"),
+    ("absval", "abs"),
+    ("minimum", "min"),
+    ("maximum", "max"),
+    ("saturate", "clamp"),
+    ("saturation", "clamp"),
+    ("constrain", "clamp"),
+    ("rising_edge", "rising"),
+    ("risingedge", "rising"),
+    ("posedge", "rising"),
+    ("falling_edge", "falling"),
+    ("fallingedge", "falling"),
+    ("negedge", "falling"),
+    ("isnull", "present"),
+    ("r_trig", "rising"),
+    ("f_trig", "falling"),
+    ("ton", "on_delay"),
+    ("tof", "off_delay"),
+    ("tp", "pulse"),
+    ("ctu", "count_up"),
+    ("ctd", "count_down"),
+];
+
+/// Equivalents that are not exact: they take other arguments, or have another meaning. The name cannot simply be
+/// replaced.
+const OTHERWISE: &[&str] = &[
+    "none",
+    "on_delay",
+    "off_delay",
+    "pulse",
+    "count_up",
+    "count_down",
+    "clamp",
+    "true",
+    "false",
+    "time",
+    "dt",
+];
+
+/// Whether a foreign value name is so common that a similar declared name is the better suggestion.
+pub(crate) fn is_loose(name: &str) -> bool {
+    const LOOSE: [&str; 6] = ["on", "off", "yes", "now", "absent", "cycle_time"];
+    LOOSE.contains(&&*name.to_lowercase())
+}
+
+/// Whether `here` can replace `there` without other changes.
+pub(crate) fn differs_by_name(there: &str, here: &str) -> bool {
+    !OTHERWISE.contains(&here) || there.eq_ignore_ascii_case(here)
+}
+
+/// Returns the help text for a name that is an object or a module in other languages.
+pub(crate) fn no_value(name: &str) -> Option<&'static str> {
+    match &*name.to_lowercase() {
+        "self" | "this" | "me" => Some("flows and ports are named without a prefix: `x`"),
+        "math" | "np" | "numpy" | "std" | "cmath" => {
+            Some("names of a module need no prefix: `pi`, `sin(x)`")
+        }
+        _ => None,
+    }
+}
+
+/// Returns the help text for foreign types without an equivalent: texts, lists, and void.
+pub(crate) fn no_type(name: &str) -> Option<&'static str> {
+    let lower = name.to_lowercase();
+    let found = NO_TYPES.iter().find(|(names, _)| names.contains(&&*lower));
+    found.map(|(_, help)| *help)
+}
+
+/// Foreign types without an equivalent, in lower case, with help texts.
+const NO_TYPES: &[(&[&str], &str)] = &[
+    (
+        &["string", "str", "text", "wstring"],
+        "flows cannot hold text; use an enum for a set of names: `type Mode = enum { Off, On };`",
+    ),
+    (
+        &[
+            "array", "list", "vec", "slice", "vector", "tuple", "set", "deque", "queue", "matrix",
+            "ndarray",
+        ],
+        "an array type is `int^3`, with its size after the type; a matrix is `real^3^2`",
+    ),
+    (
+        &["dict", "map", "hashmap", "object", "record", "any"],
+        "use a struct for named parts: `type Part = struct { place: real; count: int };`",
+    ),
+    (&["void", "unit"], "a node without outputs has `returns ()`"),
+    (
+        &["auto", "var", "let"],
+        "the type of a local flow is inferred: `x = 0 -> pre x + 1;`",
+    ),
+    (
+        &["optional", "option", "maybe", "nullable"],
+        "write `?` after the type of a value that may be absent: `int?`",
+    ),
+    (
+        &["jointtarget", "e6axis", "axis", "jointpos"],
+        "joint values are an array of angles: `real[rad]^6`",
+    ),
+];
+
+/// Returns the equivalent of a foreign type.
+pub(crate) fn type_here(name: &str) -> Option<&'static str> {
+    here(TYPES, name)
+}
+
+/// Returns the equivalent of a foreign value.
+pub(crate) fn value_here(name: &str) -> Option<&'static str> {
+    here(VALUES, name)
+}
+
+/// Returns the equivalent of a foreign function.
+pub(crate) fn call_here(name: &str) -> Option<&'static str> {
+    here(CALLS, name)
+}
+
+/// Looks up a name in a table, ignoring case. Returns `None` if the equivalent is the name itself.
+fn here(table: &[Row], name: &str) -> Option<&'static str> {
+    let lower = name.to_lowercase();
+    let found = table
+        .iter()
+        .find(|(there, here)| *there == lower && *here != name);
+    found.map(|(_, here)| *here)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_found_whatever_their_letters() {
+        assert_eq!(type_here("Float"), Some("real"));
+        assert_eq!(value_here("True"), Some("true"));
+        assert_eq!(call_here("fabs"), Some("abs"));
+        assert_eq!(type_here("real"), None);
+        assert_eq!(type_here("Speed"), None);
+    }
+}

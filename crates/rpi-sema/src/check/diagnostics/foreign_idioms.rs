@@ -1,0 +1,134 @@
+//! Help texts for functions of other languages that are written in another form here.
+
+/// Names of functions in lower case, with the help text that shows the form here.
+const FORMS: &[(&[&str], &str)] = &[
+    (
+        &[
+            "ifelse", "if_else", "iif", "iff", "ite", "select", "sel", "cond", "where", "choose",
+            "mux", "switch",
+        ],
+        "a choice is written `if c then x else y`; among several: `if c then x else if d then y else z`",
+    ),
+    (
+        &["limit", "limiter"],
+        "`use control;` has `clamp(x, low, high)`",
+    ),
+    (
+        &["sqr", "square"],
+        "a square is written `x * x`, or `x ** 2.0`",
+    ),
+    (
+        &["fmod", "rem", "remainder", "modulo"],
+        "the remainder is written `x mod y`",
+    ),
+    (
+        &["idiv", "floordiv", "quotient"],
+        "the integer quotient is written `x div y`",
+    ),
+    (
+        &["and", "land", "logical_and"],
+        "conjunction is written `a and b`",
+    ),
+    (
+        &["or", "lor", "logical_or"],
+        "disjunction is written `a or b`",
+    ),
+    (
+        &["not", "lnot", "logical_not"],
+        "negation is written `not a`",
+    ),
+    (&["xor", "logical_xor"], "exclusive or is written `a xor b`"),
+    (&["eq", "equals", "isequal"], "equality is written `x = y`"),
+    (&["ne", "neq"], "inequality is written `x <> y`"),
+    (&["add", "plus"], "a sum is written `x + y`"),
+    (&["sub", "minus"], "a difference is written `x - y`"),
+    (&["mul", "times"], "a product is written `x * y`"),
+    (
+        &["div", "divide"],
+        "a quotient is written `x / y`, of integers `x div y`",
+    ),
+    (
+        &["bool", "boolean", "to_bool", "tobool"],
+        "a condition is a comparison: `x <> 0`",
+    ),
+    (
+        &["unitdelay", "unit_delay", "memory", "z"],
+        "a delay of one cycle is `0 fby x`, or `0 -> pre x`",
+    ),
+    (
+        &["ic", "init", "initial", "initialize"],
+        "the initial value is written before `->`: `0 -> pre x`",
+    ),
+    (
+        &["rand", "random", "randint", "rnd"],
+        "random numbers are not available: the same inputs always give the same outputs",
+    ),
+    (
+        &[
+            "time", "now", "clock", "millis", "micros", "gettime", "tic", "toc",
+        ],
+        "the time since the first cycle is the flow `time`, the period `dt`",
+    ),
+    (
+        &["zeros", "ones", "repmat", "fill_n"],
+        "an array of equal elements is written `0^3`",
+    ),
+    (
+        &["range", "linspace", "arange", "iota"],
+        "an array has its elements in brackets: `[0, 1, 2]`",
+    ),
+    (
+        &["append", "push", "push_back", "concat", "cat", "strcat"],
+        "arrays are joined by `|`: `a | [x]`",
+    ),
+    (&["isnan", "is_nan"], "test for NaN by `x <> x`"),
+    (
+        &["exit", "abort", "stop", "halt", "quit", "terminate"],
+        "end a command by a result: `finish done when c;`, `fail broken when c;`",
+    ),
+    (
+        &["error", "raise", "throw", "panic", "signal_error"],
+        "signal an error by a flow, or by a result of the command: `fail broken when c;`",
+    ),
+    (
+        &[
+            "ptp", "lin", "circ", "movej", "movel", "movec", "movep", "move", "moveto", "moveabsj",
+            "move_to", "goto",
+        ],
+        "use a motion fragment: `use motion;`, then `way = Line<<to: p>>(from: arm.pose);` and `arm.tcp = way.pose;`",
+    ),
+    (
+        &["moving_average", "movmean"],
+        "`use filters;` has `average`",
+    ),
+    (
+        &["push_front", "pop", "pop_back", "insert", "remove", "erase"],
+        "the size of an array is fixed: `(a with [i] = x)` changes an element",
+    ),
+];
+
+/// Returns the help text for a call of this function, if there is one; `name` is in lower case.
+pub(crate) fn of_call(name: &str) -> Option<&'static str> {
+    let found = FORMS.iter().find(|(names, _)| names.contains(&name));
+    found.map(|(_, help)| *help)
+}
+
+/// Returns the help text for a task step that is a function in other languages; `name` is as written in the program.
+pub(crate) fn of_step(name: &str) -> Option<&'static str> {
+    let name = name.to_lowercase();
+    let starts = |words: &[&str]| words.iter().any(|word| name.starts_with(word));
+    if starts(&["wait", "sleep", "delay", "pause", "dwell"]) {
+        return Some(
+            "a step lasts as long as its command: `command Pause let finish over when time >= 2[s]; tel`, then `Pause();`",
+        );
+    }
+    if starts(&["mov", "ptp", "lin", "circ"]) {
+        return Some(
+            "write a motion in a command: `command MoveTo (arm: Arm; to: Pose) let way = Line<<to: to>>(from: arm.pose); ... tel`",
+        );
+    }
+    if starts(&["print", "log", "msg", "tpwrite"]) {
+        return Some("a task has no output; export flows of a command instead: `export x;`");
+    }
+    None
+}

@@ -1,0 +1,137 @@
+//! Hints for operators whose meaning or precedence differs from other languages.
+
+use crate::check::bodies::body::Body;
+use crate::check::bodies::locals;
+use crate::check::diagnostics::report;
+use crate::check::exprs::ops;
+use crate::check::signatures::unit;
+use crate::program::Lookup;
+use crate::ty::Ty;
+use crate::typed::ExprId;
+use crate::units::is_unit;
+use rpi_diag::{Code, Finding, Fix, Span};
+use rpi_net::prim;
+use rpi_syntax::Name;
+use rpi_syntax::ast::{Binary, Expr, ExprKind};
+use rpi_syntax::ops::{BinaryOp, UnaryOp};
+
+/// Handles operands for which another operator was clearly meant; returns the result of that operator if there is
+/// one.
+pub(crate) fn reinterpret_operator(
+    cx: &mut Body<'_, '_>,
+    binary: &Binary,
+    operands: [ExprId; 2],
+    span: Span,
+) -> Option<ExprId> {
+    hint_negated_comparison(cx, binary);
+    bitwise_on_booleans(cx, binary, operands, span)
+}
+
+/// Whether `x[m]` is probably meant to give a number a unit. Only literals and types have units.
+pub(crate) fn is_unit_index(cx: &Body<'_, '_>, base: ExprId, index: &Expr) -> bool {
+    unit::reads_rpi_syntax(cx)
+        && matches!(cx.ty_of(base), Ty::Int | Ty::Real(_))
+        && is_unit_expr(cx, index)
+}
+
+fn is_unit_expr(cx: &Body<'_, '_>, expr: &Expr) -> bool {
+    let is_free = |name: &Name| {
+        let space = crate::program::Space::Value;
+        let found = cx.c.program.lookup_in(space, cx.module, name);
+        locals::find_local(cx, name).is_none() && !matches!(found, Lookup::Found(_))
+    };
+    match &expr.kind {
+        ExprKind::Name(name) => is_unit(name) && is_free(name),
+        ExprKind::Binary(binary) if matches!(binary.op, BinaryOp::Mul | BinaryOp::Div) => {
+            is_unit_expr(cx, &binary.lhs) && is_unit_expr(cx, &binary.rhs)
+        }
+        _ => false,
+    }
+}
+
+/// Reports `x[m]`, a unit after an expression that is not a literal.
+pub(crate) fn unit_after_flow(
+    cx: &mut Body<'_, '_>,
+    base: ExprId,
+    unit: &Expr,
+    span: Span,
+) -> ExprId {
+    let ty = cx.ty_of(base).clone();
+    let message = "a unit must follow a number literal or be part of a type";
+    let help = match ty {
+        Ty::Int => "convert it and multiply by one unit: `real x * 1[m]`",
+        _ => "declare the flow with its unit, `x: real[m]`, or multiply by one unit: `x * 1[m]`",
+    };
+    let finding = Finding::new(Code::RPI2006, message)
+        .at(unit.span, "not an index")
+        .also(cx.span_of(base), format!("this is `{ty}`"));
+    cx.fault_with(finding.help(help), span)
+}
+
+/// Reports `a && b` between Booleans in Lustre, where the operator is bitwise; returns the logical operation
+/// instead.
+fn bitwise_on_booleans(
+    cx: &mut Body<'_, '_>,
+    binary: &Binary,
+    operands: [ExprId; 2],
+    span: Span,
+) -> Option<ExprId> {
+    let (word, prim) = match binary.op {
+        BinaryOp::BitAnd => ("and", prim!("Core::BooleanAnd")),
+        BinaryOp::BitOr => ("or", prim!("Core::BooleanOr")),
+        _ => return None,
+    };
+    if operands.iter().any(|id| *cx.ty_of(*id) != Ty::Bool) {
+        return None;
+    }
+    let (sign, place) = (binary.op.spelling(), binary.op_span);
+    // Without spaces, as in `a&&b`, the word would join the operands.
+    let space = |joined| if joined { " " } else { "" };
+    let before = space(binary.lhs.span.end == place.start);
+    let after = space(binary.rhs.span.start == place.end);
+    let fix = Fix::maybe(format!("write `{word}`"));
+    let finding =
+        of_bits(sign, word, place).fix(fix.replace(place, format!("{before}{word}{after}")));
+    report::report_diagnostic(cx, finding);
+    Some(ops::logical_prim(cx, prim, &operands, span))
+}
+
+/// Reports `!a` of a Boolean in Lustre, where the operator is bitwise; returns the logical negation instead.
+pub(crate) fn bitwise_not_on_boolean(cx: &mut Body<'_, '_>, operand: ExprId, span: Span) -> ExprId {
+    let sign = Span {
+        end: span.start + 1,
+        ..span
+    };
+    let fix = Fix::maybe("write `not`").replace(sign, "not ");
+    report::report_diagnostic(cx, of_bits("!", "not", sign).fix(fix));
+    ops::logical_prim(cx, prim!("Core::BooleanNot"), &[operand], span)
+}
+
+/// Adds a fix to the error of `not i = j`, where `not` binds tighter than the comparison.
+fn hint_negated_comparison(cx: &mut Body<'_, '_>, binary: &Binary) {
+    use BinaryOp::{Eq, Ge, Gt, Le, Lt, Ne};
+    let ExprKind::Unary(UnaryOp::Not, operand) = &binary.lhs.kind else {
+        return;
+    };
+    if !matches!(binary.op, Eq | Ge | Gt | Le | Lt | Ne) {
+        return;
+    }
+    let place = operand.span;
+    let mut told = cx.findings.iter_mut().rev();
+    let told = told.find(|told| told.code == Code::RPI2006 && told.span() == place);
+    if let Some(told) = told {
+        let fix = Fix::maybe("negate the comparison")
+            .insert_before(place, "(")
+            .insert_after(binary.rhs.span, ")");
+        *told = told
+            .clone()
+            .help("`not` binds tighter than comparisons: write `not (a = b)`")
+            .fix(fix);
+    }
+}
+
+/// Returns the diagnostic for a bitwise operator between Booleans.
+fn of_bits(sign: &str, word: &str, span: Span) -> Finding {
+    let message = format!("expected `{word}` between Booleans, found `{sign}`");
+    Finding::new(Code::RPI2006, message).at(span, "bitwise operator of machine integers")
+}

@@ -1,0 +1,249 @@
+//! Diagnostics that several checks share.
+
+use crate::check::bodies::body::Body;
+use crate::check::types::frames;
+use crate::check::types::quantity;
+use crate::check::types::quantity::Measured;
+use crate::ty::{Misfit, Ty};
+use crate::typed::{ExprId, Kind};
+use crate::units::Dim;
+use rpi_diag::counted;
+use rpi_diag::{Code, Finding, Fix, Severity, Span};
+
+/// Adds a diagnostic about this body.
+pub(crate) fn report_diagnostic(cx: &mut Body<'_, '_>, finding: Finding) {
+    cx.findings.push(finding);
+}
+
+/// Whether an error has been added since there were `before` diagnostics. Notes and warnings do not invalidate a
+/// value.
+pub(crate) fn has_error_since(cx: &Body<'_, '_>, before: usize) -> bool {
+    let mut new = cx.findings.iter().skip(before);
+    new.any(|finding| finding.severity() == Severity::Error)
+}
+
+/// Reports that an expression does not have the expected type.
+pub(crate) fn type_mismatch(
+    cx: &mut Body<'_, '_>,
+    expr: ExprId,
+    expected: &Ty,
+    misfit: &Misfit,
+    wanted_by: &Wanted,
+) {
+    let span = cx.unit.expr(expr).span;
+    let finding = match misfit {
+        Misfit::Dimension { expected, found } => {
+            let found = Measured {
+                dim: *found,
+                ..measured_value(cx, expr)
+            };
+            quantity::misplaced(*expected, found)
+        }
+        Misfit::Frame {
+            expected: wanted,
+            found,
+        } => frames::misplaced(expected, cx.ty_of(expr), (wanted, found), span),
+        Misfit::Size { expected, found } => size(*expected, *found, span),
+        Misfit::Kind => kind_mismatch(cx, expr, expected),
+    };
+    report_diagnostic(cx, wanted_by.explain(finding));
+}
+
+/// Returns the description of a value for a diagnostic about quantities.
+pub(crate) fn measured_value(cx: &Body<'_, '_>, id: ExprId) -> Measured {
+    let dim = match cx.ty_of(id) {
+        Ty::Real(dim) => *dim,
+        _ => Dim::ONE,
+    };
+    let span = cx.span_of(id);
+    Measured {
+        dim,
+        span,
+        is_number: is_number_literal(cx, id),
+    }
+}
+
+/// Whether an expression is a number literal, not a named number.
+pub(crate) fn is_number_literal(cx: &Body<'_, '_>, id: ExprId) -> bool {
+    cx.numbers.contains(&cx.span_of(id))
+}
+
+/// Whether an expression is the element that an iterator takes from an array. Only the array has source text.
+fn is_iterator_element(cx: &Body<'_, '_>, id: ExprId) -> bool {
+    matches!(cx.unit.expr(id).kind, Kind::Part { base, .. } if cx.span_of(base) == cx.span_of(id))
+}
+
+/// Returns the diagnostic for a value whose type is of another kind than the expected type.
+fn kind_mismatch(cx: &Body<'_, '_>, id: ExprId, expected: &Ty) -> Finding {
+    let (found, span) = (cx.ty_of(id), cx.span_of(id));
+    let message = format!("expected {}, found {}", kind_of(expected), kind_of(found));
+    let finding =
+        Finding::new(Code::RPI2001, message).at(span, format!("this is {}", kind_of(found)));
+    match (expected, found) {
+        (Ty::Real(dim), Ty::Int) if is_number_literal(cx, id) && *dim != Dim::ONE => {
+            quantity::with_units(finding, *dim, span)
+        }
+        (Ty::Duration, Ty::Int | Ty::Real(Dim::ONE)) if is_number_literal(cx, id) => {
+            quantity::with_units(finding, Dim::TIME, span)
+        }
+        (Ty::Duration, Ty::Real(Dim::TIME)) => finding
+            .help("`time(x)` is `x` in whole ticks, rounded up")
+            .fix(
+                Fix::maybe("convert with `time`")
+                    .insert_before(span, "time(")
+                    .insert_after(span, ")"),
+            ),
+        (Ty::Int, Ty::Duration) => {
+            finding.help("divide by a time to get an integer: `x div 1[ms]`")
+        }
+        (Ty::Real(_) | Ty::Int, _) if is_iterator_element(cx, id) => finding,
+        (Ty::Real(_), Ty::Int) => finding.fix(to_real_fix(cx, id)),
+        (Ty::Int, Ty::Real(Dim::ONE)) if is_number_literal(cx, id) => {
+            finding.help("write an integer without a decimal point")
+        }
+        (Ty::Int, Ty::Real(_)) => finding
+            .help("`int x` cuts off the fraction; `int round(x)` takes the nearest")
+            .fix(conversion_fix(cx, id, "int")),
+        (expected, Ty::Tuple(_)) => with_output_fixes(cx, finding, id, expected),
+        (Ty::Bool, Ty::Int | Ty::Real(_)) => {
+            finding.help("a condition is a comparison: `x <> 0`, `x > 0.0`")
+        }
+        (Ty::Real(_), Ty::Array(element, _)) if matches!(**element, Ty::Real(_)) => {
+            finding.help("an element is read by its index: `x[0]`; a power is written `x ** 2.0`")
+        }
+        (_, Ty::Array(element, _)) if **element == *expected => {
+            finding.help("an element is read by its index: `x[0]`; a power is written `x ** 2.0`")
+        }
+        _ => finding,
+    }
+}
+
+/// Adds a fix for each output of a call that has the expected type.
+fn with_output_fixes(cx: &Body<'_, '_>, finding: Finding, id: ExprId, expected: &Ty) -> Finding {
+    let (span, members) = (cx.span_of(id), cx.ty_of(id).members());
+    let fits = members.iter().filter(|m| m.ty == *expected);
+    let mut finding = finding;
+    for name in fits.filter_map(|member| member.name.as_ref()) {
+        let title = format!("use its output `{name}`");
+        finding
+            .fixes
+            .push(Fix::maybe(title).insert_after(span, format!(".{name}")));
+    }
+    let is_named = members.iter().any(|member| member.name.is_some());
+    match is_named {
+        true => finding,
+        false => finding.help(
+            "several values in parentheses form a tuple; the initial value is written before `->`: `0 -> pre x`",
+        ),
+    }
+}
+
+/// Returns the fix that writes an integer literal as a real: `3.0` for `3`, and the decimal number for `0x1F`.
+fn real_literal_fix(cx: &Body<'_, '_>, id: ExprId) -> Fix {
+    let (span, fix) = (cx.span_of(id), Fix::sure("write a real"));
+    let value = match &cx.unit.expr(id).kind {
+        Kind::Literal(leaf) => leaf.as_int(),
+        _ => None,
+    };
+    let text = value.map(|value| value.to_string());
+    match text.filter(|text| text.len() as u32 != span.end - span.start) {
+        Some(text) => fix.replace(span, format!("{text}.0")),
+        None => fix.insert_after(span, ".0"),
+    }
+}
+
+/// Returns the fix that turns an integer into a real: another literal, or a conversion.
+pub(crate) fn to_real_fix(cx: &Body<'_, '_>, id: ExprId) -> Fix {
+    match is_number_literal(cx, id) {
+        true => real_literal_fix(cx, id),
+        false => conversion_fix(cx, id, "real"),
+    }
+}
+
+/// Returns the fix that converts a value with the keyword of a type.
+fn conversion_fix(cx: &Body<'_, '_>, id: ExprId, word: &str) -> Fix {
+    let (span, title) = (cx.span_of(id), format!("convert with `{word}`"));
+    match &cx.unit.expr(id).kind {
+        Kind::Flow(_) | Kind::Literal(_) | Kind::Const(_) | Kind::Call(_) | Kind::Part { .. } => {
+            Fix::maybe(title).insert_before(span, format!("{word} "))
+        }
+        _ => Fix::maybe(title)
+            .insert_before(span, format!("{word} ("))
+            .insert_after(span, ")"),
+    }
+}
+
+/// Reason why a type is expected.
+pub(crate) enum Wanted {
+    /// No explanation is needed.
+    Here,
+    /// Explanation with the location of its cause; without a location it becomes a note.
+    By(Span, String),
+}
+
+impl Wanted {
+    fn explain(&self, finding: Finding) -> Finding {
+        match self {
+            Wanted::Here => finding,
+            Wanted::By(span, text) if span.is_none() => finding.note(text.clone()),
+            Wanted::By(span, text) => finding.also(*span, text.clone()),
+        }
+    }
+}
+
+/// Returns the description of a type; the result of a call is described by its outputs.
+fn kind_of(ty: &Ty) -> String {
+    match ty {
+        Ty::Tuple(members) if members.iter().any(|m| m.name.is_some()) => {
+            let names = members.iter().filter_map(|m| m.name.as_deref());
+            format!("several outputs, {}", listed(names))
+        }
+        ty => format!("`{ty}`"),
+    }
+}
+
+/// Returns the diagnostic for an array of another size than expected.
+fn size(expected: u32, found: u32, span: Span) -> Finding {
+    Finding::new(
+        Code::RPI2009,
+        format!(
+            "expected {}, found {found}",
+            counted(expected as usize, "element")
+        ),
+    )
+    .at(
+        span,
+        format!("this has {}", counted(found as usize, "element")),
+    )
+}
+
+/// Returns the diagnostic for an undefined name.
+pub(crate) fn unknown(what: &str, name: &str, span: Span, near: Option<String>) -> Finding {
+    let finding =
+        Finding::new(Code::RPI1001, format!("undefined {what} `{name}`")).at(span, "not declared");
+    finding.did_you_mean(span, near)
+}
+
+/// Returns the diagnostic for a member that a value does not have.
+pub(crate) fn no_member(of: &str, name: &str, span: Span, near: Option<String>) -> Finding {
+    let finding =
+        Finding::new(Code::RPI1004, format!("{of} has no `{name}`")).at(span, "not found");
+    finding.did_you_mean(span, near)
+}
+
+/// Returns the diagnostic for a name of another kind than expected.
+pub(crate) fn not_a(wanted: &str, name: &str, is: &str, span: Span, declared: Span) -> Finding {
+    Finding::new(Code::RPI1003, format!("`{name}` is {is}, not {wanted}"))
+        .at(span, format!("{wanted} is expected here"))
+        .also(declared, "declared here")
+}
+
+/// Joins names for a sentence: `a`, `b` and `c`.
+pub(crate) fn listed<'n>(names: impl IntoIterator<Item = &'n str>) -> String {
+    let quoted: Vec<String> = names.into_iter().map(|name| format!("`{name}`")).collect();
+    match &quoted[..] {
+        [] => "nothing".to_owned(),
+        [one] => one.clone(),
+        [most @ .., last] => format!("{} and {last}", most.join(", ")),
+    }
+}

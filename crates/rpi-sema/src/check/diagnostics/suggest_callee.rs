@@ -1,0 +1,176 @@
+//! Suggestions for calls of names that cannot be called, such as `pow(x, 2.0)` or the name of a struct.
+
+use crate::check::bodies::body::Body;
+use crate::check::bodies::locals;
+use crate::check::exprs::access::names_of;
+use crate::check::exprs::expr;
+use crate::check::exprs::names::plain_name;
+use crate::check::types;
+use crate::program::{Lookup, Space};
+use crate::ty::{StructTy, Ty};
+use crate::typed::{ExprId, Kind};
+use rpi_diag::{Code, Finding, Fix, Span};
+use rpi_syntax::Name;
+use rpi_syntax::ast::{self, ExprKind};
+use rpi_syntax::ops::BinaryOp;
+
+/// Names of the power function in other languages, in lower case.
+const POWERS: &[&str] = &["pow", "power", "powf", "powi", "expt"];
+
+/// Adds to the reported error of `pow(x, 2.0)` the fix that writes `x ** 2.0`.
+pub(crate) fn suggest_power_operator<'a>(cx: &mut Body<'_, 'a>, call: &'a ast::Call, span: Span) {
+    let name = call.callee.name.name.to_lowercase();
+    let (true, [base, exponent]) = (POWERS.contains(&name.as_str()), &call.args[..]) else {
+        return;
+    };
+    let Some(finding) = diagnostic_at(cx, call.callee.name.span, Code::RPI1001) else {
+        return;
+    };
+    let (base, exponent) = (&base.value, &exponent.value);
+    let [(open, close), (open_too, close_too)] = [base, exponent].map(brackets);
+    let sign = format!("{close} ** {open_too}");
+    let fix = Fix::sure("write `x ** y`")
+        .replace(
+            between(span.start, base.span.start, span),
+            format!("({open}"),
+        )
+        .replace(between(base.span.end, exponent.span.start, span), sign)
+        .replace(
+            between(exponent.span.end, span.end, span),
+            format!("{close_too})"),
+        );
+    finding.help.clear();
+    finding.help.push("a power is written `x ** y`".to_owned());
+    finding.fixes = vec![fix];
+}
+
+/// Adds the struct syntax to the reported error of `P(x, y)` for a struct `P`. Returns an error expression of the
+/// struct's type.
+pub(crate) fn suggest_struct_literal<'a>(
+    cx: &mut Body<'_, 'a>,
+    call: &'a ast::Call,
+    span: Span,
+) -> ExprId {
+    let name = &call.callee.name;
+    let Lookup::Found(id) = cx.c.program.lookup_in(Space::Type, cx.module, &name.name) else {
+        return cx.fault(span);
+    };
+    let told = diagnostic_at(cx, name.span, Code::RPI1003);
+    let Some(told) = told.map(|told| told.clone()) else {
+        return cx.fault(span);
+    };
+    let Ty::Struct(ty) = types::type_decl(cx.c, id) else {
+        return cx.fault(span);
+    };
+    let form = names_of(&ty.fields).map(|field| format!("{field} = ..."));
+    let form = form.collect::<Vec<_>>().join("; ");
+    let mended = told.help(format!(
+        "write a value of this type as `{} {{{form}}}`",
+        name.name
+    ));
+    let mended = match as_fields(&ty, call, span) {
+        Some(fix) => mended.fix(fix),
+        None => mended,
+    };
+    if let Some(finding) = diagnostic_at(cx, name.span, Code::RPI1003) {
+        *finding = mended;
+    }
+    cx.add(Kind::Fault, Ty::Struct(ty), span)
+}
+
+/// Reports a call `map(f, a)` of an iterator whose static arguments are written among the arguments.
+pub(crate) fn iterator_without_statics<'a>(
+    cx: &mut Body<'_, 'a>,
+    name: &'static str,
+    call: &'a ast::Call,
+    span: Span,
+) -> ExprId {
+    let first = call.args.first().and_then(|arg| plain_name(&arg.value));
+    let callee = first.filter(|name| is_callable_name(cx, name));
+    let rest = &call.args[usize::from(callee.is_some())..];
+    let given: Vec<ExprId> = rest
+        .iter()
+        .map(|arg| expr::check_expr(cx, &arg.value))
+        .collect();
+    let size = given.iter().find_map(|id| match cx.ty_of(*id) {
+        Ty::Array(_, n) => Some(n.to_string()),
+        _ => None,
+    });
+    let is_known = callee.is_some() && size.is_some();
+    let callee = callee.map_or("node", Name::as_str);
+    let size = size.unwrap_or_else(|| "size".to_owned());
+    let form = match name {
+        "boolred" => "<<least; most; size>>".to_owned(),
+        _ => format!("<<{callee}, {size}>>"),
+    };
+    let message = format!("`{name}` lacks its static arguments");
+    let finding = Finding::new(Code::RPI1010, message)
+        .at(call.callee.span, "static arguments expected after the name")
+        .help(format!("write `{name}{form}(...)`"));
+    let finding = match &call.args[..] {
+        [first, second, ..] if is_known => {
+            let moved = between(first.value.span.start, second.value.span.start, span);
+            let fix = Fix::sure(format!("write `{name}{form}`")).replace(moved, "");
+            finding.fix(fix.insert_after(call.callee.span, form))
+        }
+        _ => finding,
+    };
+    cx.fault_with(finding, span)
+}
+
+/// Whether a name is a callable declaration and not a local flow.
+fn is_callable_name(cx: &Body<'_, '_>, name: &Name) -> bool {
+    let found = cx.c.program.lookup_in(Space::Callable, cx.module, name);
+    let is_callee = |id| crate::check::signatures::unit::is_callable(cx.c.program.decl(id).kind);
+    locals::find_local(cx, name).is_none() && matches!(found, Lookup::Found(id) if is_callee(id))
+}
+
+/// Returns the last reported diagnostic with this code and this primary location.
+pub(crate) fn diagnostic_at<'s>(
+    cx: &'s mut Body<'_, '_>,
+    span: Span,
+    code: Code,
+) -> Option<&'s mut Finding> {
+    let mut findings = cx.findings.iter_mut().rev();
+    findings.find(|finding| finding.code == code && finding.span() == span)
+}
+
+/// Returns the parentheses that an operand of `**` needs: none for a name or a number.
+fn brackets(operand: &ast::Expr) -> (&'static str, &'static str) {
+    match operand.kind {
+        ExprKind::Name(_) | ExprKind::Number(_) => ("", ""),
+        _ => ("(", ")"),
+    }
+}
+
+/// Returns the span from `start` to `end` in the file of `around`.
+fn between(start: u32, end: u32, around: Span) -> Span {
+    Span {
+        start,
+        end,
+        ..around
+    }
+}
+
+/// Returns the fix that turns a call into a struct literal; `None` if the arguments are not as many as the fields.
+fn as_fields(ty: &StructTy, call: &ast::Call, span: Span) -> Option<Fix> {
+    if call.args.is_empty() || call.args.len() != ty.fields.len() {
+        return None;
+    }
+    // `P(x = 1)` parses as a comparison: the fields may be named already, so the fix is uncertain.
+    let is_by_name =
+        |arg: &ast::Arg| matches!(&arg.value.kind, ExprKind::Binary(of) if of.op == BinaryOp::Eq);
+    let mut fix = match call.args.iter().any(is_by_name) {
+        true => Fix::maybe("write the fields"),
+        false => Fix::sure("write the fields"),
+    };
+    let mut from = call.callee.span.end;
+    for (k, (arg, field)) in call.args.iter().zip(names_of(&ty.fields)).enumerate() {
+        let name = arg.name.as_ref().map_or(field, |name| name.name.as_str());
+        let opening = if k == 0 { " {" } else { "; " };
+        let text = format!("{opening}{name} = ");
+        fix = fix.replace(between(from, arg.value.span.start, span), text);
+        from = arg.value.span.end;
+    }
+    Some(fix.replace(between(from, span.end, span), "}"))
+}

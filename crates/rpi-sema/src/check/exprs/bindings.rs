@@ -1,0 +1,136 @@
+//! Names bound by expressions: variables of quantifiers and of refinement types, parts of alternatives in a `match`,
+//! and array indices.
+
+use crate::check::bodies::body::Body;
+use crate::ty::Ty;
+use crate::typed::{ExprId, Kind};
+use rpi_diag::{Code, Finding, Span};
+use rpi_syntax::Name;
+use rpi_syntax::ast::{Expr, ExprKind, Ident};
+
+/// Name bound by an expression.
+#[derive(Clone, Debug)]
+pub(crate) struct Bound {
+    pub(crate) name: Name,
+    /// Meaning of the name.
+    pub(crate) means: Means,
+    /// Number of `pre` operators around the binding.
+    past: u32,
+    /// Location of the binding.
+    span: Span,
+}
+
+/// Meaning of a bound name.
+#[derive(Clone, Debug)]
+pub(crate) enum Means {
+    /// Variable of a quantifier: any value of the type.
+    Any(Ty),
+    /// Value to which the condition of a refinement type applies.
+    Value(Ty),
+    /// Name of an expression.
+    Expr(ExprId),
+    /// Value of an array index in an equation that defines an array element by element.
+    Index(i64),
+}
+
+/// Location of the first part of a claim that no run can evaluate; `None` if there is none.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Unwatched(pub(crate) Option<Span>);
+
+/// Runs `work` with one more bound name.
+pub(crate) fn with_binding<'c, 'a, T>(
+    cx: &mut Body<'c, 'a>,
+    name: &Ident,
+    means: Means,
+    work: impl FnOnce(&mut Body<'c, 'a>) -> T,
+) -> T {
+    bind_name(cx, name, means);
+    let result = work(cx);
+    cx.bound.pop();
+    result
+}
+
+/// Binds a name. The caller removes it from `bound` again.
+pub(crate) fn bind_name(cx: &mut Body<'_, '_>, name: &Ident, means: Means) {
+    cx.bound.push(Bound {
+        name: name.name.clone(),
+        means,
+        past: cx.past,
+        span: name.span,
+    });
+}
+
+/// Reads a bound name; returns `None` if it is not bound.
+pub(crate) fn read_binding(cx: &mut Body<'_, '_>, name: &Name, span: Span) -> Option<ExprId> {
+    let at = cx.bound.iter().rposition(|bound| bound.name == *name)?;
+    let bound = cx.bound[at].clone();
+    Some(match &bound.means {
+        Means::Index(value) => cx.add(
+            Kind::Literal(crate::typed::Leaf::int(*value)),
+            Ty::Int,
+            span,
+        ),
+        Means::Expr(value) => copy_of(cx, *value, span),
+        Means::Value(ty) => cx.add(Kind::Outside, ty.clone(), span),
+        Means::Any(_) if cx.fixed_before.is_some_and(|before| at < before) => {
+            report_not_constant(cx, &bound, span)
+        }
+        Means::Any(_) if cx.past > bound.past => report_pre_of_quantified(cx, &bound, span),
+        Means::Any(ty) => cx.add(Kind::Outside, ty.clone(), span),
+    })
+}
+
+fn copy_of(cx: &mut Body<'_, '_>, value: ExprId, span: Span) -> ExprId {
+    let expr = cx.unit.expr(value);
+    let (kind, ty) = (expr.kind.clone(), expr.ty.clone());
+    cx.add(kind, ty, span)
+}
+
+fn report_pre_of_quantified(cx: &mut Body<'_, '_>, bound: &Bound, span: Span) -> ExprId {
+    let message = format!(
+        "the quantified variable `{}` has no earlier cycles",
+        bound.name
+    );
+    let finding = Finding::new(Code::RPI2014, message)
+        .at(span, "read inside `pre`")
+        .also(bound.span, "quantified here")
+        .help("apply `pre` to flows only");
+    cx.fault_with(finding, span)
+}
+
+fn report_not_constant(cx: &mut Body<'_, '_>, bound: &Bound, span: Span) -> ExprId {
+    let finding = Finding::new(Code::RPI2008, "a constant is needed here")
+        .at(span, "variable of the same quantifier")
+        .also(bound.span, "bound here")
+        .help("move this restriction to the condition of the quantifier");
+    cx.fault_with(finding, span)
+}
+
+/// Whether an expression reads a variable of a quantifier or an array index.
+pub(crate) fn reads_binding(cx: &Body<'_, '_>, expr: &Expr) -> bool {
+    let mut open = vec![expr];
+    while let Some(expr) = open.pop() {
+        if let ExprKind::Name(name) = &expr.kind
+            && cx
+                .bound
+                .iter()
+                .any(|bound| bound.name == *name && bound.varies())
+        {
+            return true;
+        }
+        open.extend(expr.children());
+    }
+    false
+}
+
+impl Bound {
+    /// Whether the name has several values in one cycle.
+    pub(crate) fn varies(&self) -> bool {
+        matches!(self.means, Means::Any(_) | Means::Index(_))
+    }
+
+    /// Whether the name is the variable of a quantifier.
+    pub(crate) fn is_quantified(&self) -> bool {
+        matches!(self.means, Means::Any(_))
+    }
+}

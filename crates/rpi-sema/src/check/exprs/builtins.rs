@@ -1,0 +1,28 @@
+//! Predeclared names, listed for editors and documentation.
+
+use crate::check::exprs::names::PREDECLARED;
+use crate::check::exprs::spatial_parts::SPATIAL_PARTS;
+use crate::ty::Ty;
+use rpi_image::Scalar;
+
+/// Returns the predeclared flows: name, registered name of the primitive, type.
+pub(crate) fn predeclared() -> impl Iterator<Item = (&'static str, &'static str, &'static Ty)> {
+    PREDECLARED
+        .iter()
+        .map(|flow| (flow.name, flow.prim.desc().name, &flow.ty))
+}
+
+/// Returns the names of the predeclared operators in call syntax.
+#[cfg(test)]
+pub(crate) fn operator_names() -> impl Iterator<Item = &'static str> {
+    let specials = crate::check::calls::intrinsics::SPECIALS
+        .iter()
+        .map(|special| special.name());
+    specials.chain(crate::check::calls::iterate::NAMES.iter().copied())
+}
+
+/// Returns the names of the parts of a spatial type.
+pub(crate) fn spatial_parts(scalar: Scalar) -> impl Iterator<Item = &'static str> {
+    let parts = SPATIAL_PARTS.iter().filter(move |part| part.0 == scalar);
+    parts.map(|part| part.1)
+}

@@ -1,0 +1,65 @@
+//! Activations in cases of a `merge`. In Kind 2, the case `(activate f every c)(x)` means `f(x when c)`.
+
+use crate::check::bodies::body::Body;
+use crate::facts::literal;
+use crate::typed::{Activation, Call, ClockOn, ExprId, Kind};
+
+/// Gives a call in a case of a `merge` and its arguments the clock of the case, if the call is activated by the
+/// same condition. Returns any other case as it is.
+pub(crate) fn sample_activated_case(
+    cx: &mut Body<'_, '_>,
+    on: ExprId,
+    value: u32,
+    case: ExprId,
+) -> ExprId {
+    let Some((clock, call, restart)) = case_activation(cx, on, value, case) else {
+        return case;
+    };
+    let args = call
+        .args
+        .iter()
+        .map(|arg| arg.map(|arg| add_when(cx, arg, clock)));
+    let args = args.collect();
+    let activation = match restart {
+        Some(every) => Activation::Restart {
+            every: add_when(cx, every, clock),
+        },
+        None => Activation::Always,
+    };
+    let call = Call {
+        unit: call.unit,
+        args,
+        activation,
+    };
+    let (ty, span) = (cx.ty_of(case).clone(), cx.span_of(case));
+    cx.add(Kind::Call(Box::new(call)), ty, span)
+}
+
+/// Returns the clock of a case, its call, and the restart condition of the call.
+fn case_activation(
+    cx: &Body<'_, '_>,
+    on: ExprId,
+    value: u32,
+    case: ExprId,
+) -> Option<(ClockOn, Call, Option<ExprId>)> {
+    let (Kind::Flow(flow), Kind::Call(call)) = (&cx.unit.expr(on).kind, &cx.unit.expr(case).kind)
+    else {
+        return None;
+    };
+    let Activation::Condact {
+        every,
+        default: None,
+        restart,
+    } = call.activation
+    else {
+        return None;
+    };
+    let decides = literal(&cx.unit, every, true) == Some((flow.0, value == 1));
+    let clock = ClockOn { flow: *flow, value };
+    decides.then(|| (clock, (**call).clone(), restart))
+}
+
+fn add_when(cx: &mut Body<'_, '_>, value: ExprId, clock: ClockOn) -> ExprId {
+    let (ty, span) = (cx.ty_of(value).clone(), cx.span_of(value));
+    cx.add(Kind::When { value, clock }, ty, span)
+}

@@ -1,0 +1,304 @@
+//! Operators on clocks: `when`, `merge`, `current`; and `last` in automata.
+
+use crate::check::bodies::automaton;
+use crate::check::bodies::body::Body;
+use crate::check::bodies::locals;
+use crate::check::bodies::locals::Local;
+use crate::check::bodies::statement;
+use crate::check::bodies::type_inference;
+use crate::check::diagnostics::report;
+use crate::check::diagnostics::report::Wanted;
+use crate::check::diagnostics::report::listed;
+use crate::check::diagnostics::report::not_a;
+use crate::check::diagnostics::report::unknown;
+use crate::check::exprs::access;
+use crate::check::exprs::case;
+use crate::check::exprs::expr;
+use crate::check::exprs::names;
+use crate::check::signatures::unit;
+use crate::hash::{Map, Set};
+use crate::ty::{EnumTy, Ty, join};
+use crate::typed::{ClockOn, Each, ExprId, FlowId, Kind};
+use rpi_diag::{Code, Finding, Span};
+use rpi_syntax::ast::{self, Clock, Ident, Merge, Tick, When};
+use std::rc::Rc;
+
+/// Checks `x when c`.
+pub(crate) fn when_expr<'a>(cx: &mut Body<'_, 'a>, when: &'a When, span: Span) -> ExprId {
+    let value = expr::check_expr(cx, &when.value);
+    let ty = cx.ty_of(value).clone();
+    match resolve_clock(cx, &when.clock) {
+        Some(clock) => cx.add(Kind::When { value, clock }, ty, span),
+        None => cx.add(Kind::Fault, ty, span),
+    }
+}
+
+/// Resolves a clock: the flow that decides, and the value for which the clock is present.
+pub(crate) fn resolve_clock(cx: &mut Body<'_, '_>, clock: &Clock) -> Option<ClockOn> {
+    cx.unit.has_clocks = true;
+    let flow = resolve_clock_flow(cx, &clock.flow)?;
+    let value = match &clock.tick {
+        Tick::True => 1,
+        Tick::False => 0,
+        Tick::Value(value) => return resolve_clock_value(cx, flow, value),
+    };
+    let ty = cx.unit.flow(flow).ty.clone();
+    if !matches!(ty, Ty::Bool | Ty::Unknown) {
+        if !cx.no_clocks.tell(&flow, cx.findings.len()) {
+            return None;
+        }
+        let finding = Finding::new(Code::RPI2001, format!("expected `bool`, found `{ty}`"))
+            .at(
+                clock.flow.span,
+                "a clock must be a Boolean or one value of an enum",
+            )
+            .help(match ty {
+                Ty::Enum(_) => format!("give the enum value: `A({})`", clock.flow.name),
+                _ => "define a Boolean flow first: `c = x > 0; y = e when c;`".to_owned(),
+            });
+        report::report_diagnostic(cx, finding);
+        return None;
+    }
+    Some(ClockOn { flow, value })
+}
+
+/// Resolves the flow of a clock.
+fn resolve_clock_flow(cx: &mut Body<'_, '_>, name: &Ident) -> Option<FlowId> {
+    match locals::find_local(cx, &name.name) {
+        Some(Local::Flow(flow)) => {
+            if cx.inferring {
+                type_inference::record_unknown_read(cx, flow, name.span);
+            }
+            Some(flow)
+        }
+        Some(_) => {
+            let finding = not_a("a flow", &name.name, "a constant", name.span, name.span);
+            report::report_diagnostic(cx, finding);
+            None
+        }
+        None => {
+            if cx.is_new_unknown(&name.name) {
+                let near = cx.c.suggest(&name.name, locals::local_names(cx));
+                report::report_diagnostic(cx, unknown("flow", &name.name, name.span, near));
+            }
+            None
+        }
+    }
+}
+
+/// Resolves a clock that is present for one value of an enum or Boolean.
+fn resolve_clock_value(cx: &mut Body<'_, '_>, flow: FlowId, value: &Ident) -> Option<ClockOn> {
+    let ty = cx.unit.flow(flow).ty.clone();
+    let value = value_number(cx, &ty, value)?;
+    Some(ClockOn { flow, value })
+}
+
+/// Returns the number of a Boolean or enum value.
+fn value_number(cx: &mut Body<'_, '_>, ty: &Ty, value: &Ident) -> Option<u32> {
+    let name = value.name.as_str();
+    match ty {
+        Ty::Bool if name == "true" => Some(1),
+        Ty::Bool if name == "false" => Some(0),
+        Ty::Enum(e) => enum_value_number(cx, e, value),
+        Ty::Unknown => None,
+        _ => {
+            let finding = Finding::new(Code::RPI2006, format!("`{name}` is not a value of `{ty}`"))
+                .at(
+                    value.span,
+                    "a clock must be a Boolean or one value of an enum",
+                );
+            report::report_diagnostic(cx, finding);
+            None
+        }
+    }
+}
+
+fn enum_value_number(cx: &mut Body<'_, '_>, e: &Rc<EnumTy>, value: &Ident) -> Option<u32> {
+    let last = value.name.rsplit("::").next().unwrap_or_default();
+    let index = e.place_of(last);
+    if index.is_none() {
+        let near = rpi_diag::suggest(last, e.values.iter().map(|v| v.as_str()));
+        let of = format!("the enum `{}`", e.name);
+        let finding = crate::check::diagnostics::report::no_member(&of, last, value.span, near);
+        report::report_diagnostic(cx, finding);
+    }
+    index
+}
+
+/// Checks `merge c (A -> x) (B -> y)`.
+pub(crate) fn merge_expr<'a>(cx: &mut Body<'_, 'a>, merge: &'a Merge, span: Span) -> ExprId {
+    cx.unit.has_clocks = true;
+    let on = expr::check_expr(cx, &merge.on);
+    let of = merge_condition_type(cx, on);
+    let mut cases: Vec<(u32, ExprId)> = Vec::new();
+    let mut first: Map<u32, Span> = Map::default();
+    let (mut ty, mut known) = (Ty::Unknown, true);
+    for case in &merge.cases {
+        let mut then = expr::check_expr(cx, &case.then);
+        ty = case_type(cx, ty, &cases, then);
+        let value = value_number(cx, &of, &case.value);
+        known &= value.is_some();
+        if let Some(value) = value {
+            then = case::sample_activated_case(cx, on, value, then);
+            match first.get(&value) {
+                Some(first) => report::report_diagnostic(cx, case_twice(&case.value, *first)),
+                None => {
+                    first.insert(value, cx.span_of(then));
+                    cases.push((value, then));
+                }
+            }
+        }
+    }
+    // Not reported beside an unknown case, which may be the missing one.
+    if known {
+        check_exhaustive_merge(cx, &of, &cases, span);
+    }
+    let cases = cases.into();
+    cx.add(Kind::Merge { on, cases }, ty, span)
+}
+
+/// Returns the type of the condition of a `merge`; `Unknown` after the error about an unsuitable type.
+fn merge_condition_type(cx: &mut Body<'_, '_>, on: ExprId) -> Ty {
+    let ty = cx.ty_of(on).clone();
+    if matches!(ty, Ty::Bool | Ty::Enum(_) | Ty::Unknown) {
+        return ty;
+    }
+    if let Kind::Flow(flow) = cx.unit.expr(on).kind {
+        cx.no_clocks.tell(&flow, cx.findings.len());
+    }
+    let message = format!("expected a Boolean or an enum in `merge`, found `{ty}`");
+    let finding =
+        Finding::new(Code::RPI2006, message).at(cx.span_of(on), format!("this is `{ty}`"));
+    report::report_diagnostic(
+        cx,
+        finding.help("choose by a number with `if n = 0 then a else b`"),
+    );
+    Ty::Unknown
+}
+
+/// Returns the common type of the cases up to this one.
+fn case_type(cx: &mut Body<'_, '_>, so_far: Ty, cases: &[(u32, ExprId)], then: ExprId) -> Ty {
+    let Some((_, first)) = cases.first() else {
+        return cx.ty_of(then).clone();
+    };
+    let common = expr::common_type(cx, *first, then, "all cases must have the same type");
+    join(&so_far, &common).unwrap_or(so_far)
+}
+
+/// Reports missing cases of a `merge`.
+fn check_exhaustive_merge(cx: &mut Body<'_, '_>, of: &Ty, cases: &[(u32, ExprId)], span: Span) {
+    let names: Vec<&str> = match of {
+        Ty::Bool => vec!["false", "true"],
+        Ty::Enum(e) => e.values.iter().map(|v| v.as_str()).collect(),
+        _ => return,
+    };
+    let there: Set<usize> = cases.iter().map(|(value, _)| *value as usize).collect();
+    let is_there = |k: usize| there.contains(&k);
+    let missing: Vec<&str> = names
+        .iter()
+        .enumerate()
+        .filter(|(k, _)| !is_there(*k))
+        .map(|(_, n)| *n)
+        .collect();
+    if !missing.is_empty() {
+        let finding = Finding::new(
+            Code::RPI2011,
+            format!("non-exhaustive `merge`: {} not covered", listed(missing)),
+        )
+        .at(span, "a `merge` needs a case for every value");
+        report::report_diagnostic(cx, finding);
+    }
+}
+
+/// Checks `current x`.
+pub(crate) fn current_expr<'a>(
+    cx: &mut Body<'_, 'a>,
+    operand: &'a ast::Expr,
+    span: Span,
+) -> ExprId {
+    cx.has_state(span);
+    cx.unit.has_clocks = true;
+    let operand = expr::check_expr(cx, operand);
+    let ty = cx.ty_of(operand).clone();
+    if let (Ty::Tuple(_), true) = (&ty, unit::reads_rpi_syntax(cx)) {
+        let finding = Finding::new(Code::RPI2006, format!("`current` cannot take `{ty}`"))
+            .at(cx.span_of(operand), "it takes one flow")
+            .help("use `hold(x, 0)` for an initial value: the latest value of `x`, 0 before the first one");
+        return cx.fault_with(finding, span);
+    }
+    cx.add(Kind::Current(operand), ty, span)
+}
+
+/// Checks `last x`. For a flow shared by states, it is the value of the previous cycle in whichever state that was.
+pub(crate) fn last_expr<'a>(cx: &mut Body<'_, 'a>, operand: &'a ast::Expr, span: Span) -> ExprId {
+    cx.has_state(span);
+    if !is_name_or_field(operand) {
+        let finding = Finding::new(Code::RPI2006, "`last` takes a flow or a field of one")
+            .at(operand.span, "not a flow")
+            .help("write `last` before each flow of the expression");
+        return cx.fault_with(finding, span);
+    }
+    cx.past += 1;
+    let operand = last_operand(cx, operand);
+    cx.past -= 1;
+    let ty = cx.ty_of(operand).clone();
+    cx.add(Kind::Each(Each::Last, [operand].into()), ty, span)
+}
+
+/// Checks the operand of `last`. A flow of a state is replaced by the shared flow outside the automaton.
+fn last_operand<'a>(cx: &mut Body<'_, 'a>, operand: &'a ast::Expr) -> ExprId {
+    if let ast::ExprKind::Field(field) = &operand.unparen().kind {
+        let base = last_operand(cx, &field.base);
+        return access::member_access(cx, base, &field.field);
+    }
+    let id = expr::check_expr(cx, operand);
+    if let Kind::Flow(flow) = cx.unit.expr(id).kind
+        && let Some(outer) = outermost_total_flow(cx, flow)
+    {
+        return names::flow_expr(cx, outer, operand.span);
+    }
+    if !cx.ty_of(id).is_unknown() {
+        statement::expect_type(cx, id, &Ty::Unknown, &Wanted::Here);
+    }
+    id
+}
+
+/// Returns the outermost shared flow that a state's flow contributes to and that is defined in every state on the
+/// way; at least that of its own automaton. A state of an outer automaton that does not define the flow does not
+/// affect those that do.
+fn outermost_total_flow(cx: &Body<'_, '_>, flow: FlowId) -> Option<FlowId> {
+    let mut around = automaton::enclosing_shared_flows(cx, flow);
+    let first = around.next()?;
+    let whole = around.take_while(|outer| !is_partially_defined(cx, *outer));
+    Some(whole.last().unwrap_or(first))
+}
+
+/// Whether an automaton has a state that leaves this flow absent.
+fn is_partially_defined(cx: &Body<'_, '_>, flow: FlowId) -> bool {
+    let block = cx.unit.block(cx.unit.flow(flow).block);
+    let mut shared = block
+        .automata
+        .iter()
+        .flat_map(|automaton| &automaton.shared);
+    shared.any(|shared| shared.flow == flow && shared.is_left_open())
+}
+
+/// Whether an expression reads a flow or a part of one.
+fn is_name_or_field(operand: &ast::Expr) -> bool {
+    match &operand.unparen().kind {
+        ast::ExprKind::Field(field) => is_name_or_field(&field.base),
+        ast::ExprKind::Index(index) => is_name_or_field(&index.base),
+        ast::ExprKind::Name(_) => true,
+        _ => false,
+    }
+}
+
+/// Returns the diagnostic for a duplicate case.
+pub(crate) fn case_twice(name: &Ident, first: rpi_diag::Span) -> Finding {
+    Finding::new(
+        Code::RPI2011,
+        format!("the case `{}` is given twice", name.name),
+    )
+    .at(name.span, "given again here")
+    .also(first, "first given here")
+}

@@ -1,0 +1,283 @@
+//! Composite values: arrays and structs.
+
+use crate::check::bodies::body::Body;
+use crate::check::bodies::statement;
+use crate::check::diagnostics::report;
+use crate::check::diagnostics::report::Wanted;
+use crate::check::diagnostics::report::not_a;
+use crate::check::diagnostics::undefined_names;
+use crate::check::exprs::access::leaves;
+use crate::check::exprs::access::no_part;
+use crate::check::exprs::expr;
+use crate::check::exprs::spatial_parts;
+use crate::check::types::consts;
+use crate::check::types::data;
+use crate::check::types::{MAX_LEAVES, too_large};
+use crate::program::{DeclKind, Lookup, Space};
+use crate::ty::{StructTy, Subst, Ty, fit};
+use crate::typed::{ExprId, Kind};
+use rpi_diag::{Code, Finding, Span};
+use rpi_syntax::ast::{self, Binary, FieldValue, Ident, StaticArg, StructExpr};
+use std::rc::Rc;
+
+/// Maximum length of an array.
+const MAX_LENGTH: i64 = MAX_LEAVES as i64;
+
+/// Checks an array literal `[x, y]`.
+pub(crate) fn array_literal<'a>(
+    cx: &mut Body<'_, 'a>,
+    elements: &'a [ast::Expr],
+    span: Span,
+) -> ExprId {
+    let ids: Vec<ExprId> = elements.iter().map(|e| expr::check_expr(cx, e)).collect();
+    let Some((first, rest)) = ids.split_first() else {
+        let finding = Finding::new(Code::RPI2007, "cannot infer the type of an empty array")
+            .at(span, "no elements");
+        return cx.fault_with(finding, span);
+    };
+    let mut element = cx.ty_of(*first).clone();
+    for id in rest {
+        let common = expr::common_type(
+            cx,
+            *first,
+            *id,
+            "the elements of an array must have the same type",
+        );
+        if element.is_unknown() {
+            element = common;
+        }
+    }
+    let n = u32::try_from(ids.len()).unwrap_or(u32::MAX);
+    add_array(cx, Kind::Build(ids.into()), Rc::new(element), n, span)
+}
+
+/// Adds an expression of an array type; reports an array with too many leaves.
+pub(crate) fn add_array(
+    cx: &mut Body<'_, '_>,
+    kind: Kind,
+    element: Rc<Ty>,
+    n: u32,
+    span: Span,
+) -> ExprId {
+    let ty = Ty::Array(element, n);
+    match ty.leaf_count() > MAX_LEAVES {
+        true => cx.fault_with(too_large(span), span),
+        false => cx.add(kind, ty, span),
+    }
+}
+
+/// Checks the array of `n` equal elements, `x ^ n`.
+pub(crate) fn array_repeat<'a>(cx: &mut Body<'_, 'a>, binary: &'a Binary, span: Span) -> ExprId {
+    let element = expr::check_expr(cx, &binary.lhs);
+    let Some(n) = const_size(cx, &binary.rhs) else {
+        return cx.fault(span);
+    };
+    let ty = Rc::new(cx.ty_of(element).clone());
+    add_array(cx, Kind::Repeat(element), ty, n, span)
+}
+
+/// Checks the concatenation of arrays, `x | y`.
+pub(crate) fn array_concat<'a>(cx: &mut Body<'_, 'a>, binary: &'a Binary, span: Span) -> ExprId {
+    let (left, right) = (
+        expr::check_expr(cx, &binary.lhs),
+        expr::check_expr(cx, &binary.rhs),
+    );
+    let (a, b) = (cx.ty_of(left).clone(), cx.ty_of(right).clone());
+    let (Ty::Array(a, n), Ty::Array(b, m)) = (&a, &b) else {
+        if a.is_unknown() || b.is_unknown() {
+            return cx.fault(span);
+        }
+        let finding = Finding::new(Code::RPI2006, format!("`|` cannot take `{a}` and `{b}`"))
+            .at(cx.span_of(right), format!("this is `{b}`"))
+            .also(cx.span_of(left), format!("this is `{a}`"))
+            .help("`|` concatenates arrays; for Booleans write `or`");
+        return cx.fault_with(finding, span);
+    };
+    if let Err(misfit) = fit(a, b, &mut Subst::default()) {
+        let wanted = Wanted::By(cx.span_of(left), format!("this is `{a}^{n}`"));
+        let expected = (**a).clone();
+        report::type_mismatch(cx, right, &expected, &misfit, &wanted);
+    }
+    let n = n.saturating_add(*m);
+    add_array(cx, Kind::Build([left, right].into()), a.clone(), n, span)
+}
+
+/// Returns the value of a size, a constant non-negative integer; reports any other expression.
+pub(crate) fn const_size<'a>(cx: &mut Body<'_, 'a>, size: &'a ast::Expr) -> Option<u32> {
+    let told = cx.findings.len();
+    let Some(value) = consts::const_integer(cx, size) else {
+        // A conversion cannot be applied to a size, so that the fixes are replaced by a hint.
+        for finding in cx.findings.iter_mut().skip(told) {
+            if finding.code == Code::RPI2001 && finding.span() == size.span {
+                finding.fixes.clear();
+                // Depends on the wording "expected X, found Y" of type mismatches.
+                finding.help = vec![match finding.message.ends_with("found `bool`") {
+                    true => {
+                        "exclusive or is `a xor b`; `x^3` is an array of 3 times `x`".to_owned()
+                    }
+                    false => {
+                        "the size of an array must be a constant integer; a power is `x ** 2.0`"
+                            .to_owned()
+                    }
+                }];
+            }
+        }
+        return None;
+    };
+    if (0..=MAX_LENGTH).contains(&value) {
+        return u32::try_from(value).ok();
+    }
+    let finding = Finding::new(Code::RPI2009, format!("invalid array size {value}"))
+        .at(size.span, format!("expected a size from 0 to {MAX_LENGTH}"));
+    report::report_diagnostic(cx, finding);
+    None
+}
+
+/// Checks a struct literal: `T{x = 1; y = 2}` or `T{s with x = 1}`.
+pub(crate) fn struct_literal<'a>(
+    cx: &mut Body<'_, 'a>,
+    value: &'a StructExpr,
+    span: Span,
+) -> ExprId {
+    if let Some(spatial) = spatial_parts::spatial_struct_type(cx, value) {
+        return spatial_parts::spatial_value(cx, spatial, value, span);
+    }
+    if let Some(generic) = data::generic_struct(cx, value) {
+        return data::inferred_struct(cx, generic, value, span);
+    }
+    let Some(ty) = resolve_struct_type(cx, &value.ty, &value.statics) else {
+        for field in &value.fields {
+            expr::check_expr(cx, &field.value);
+        }
+        return cx.fault(span);
+    };
+    let base = value.base.as_ref().map(|base| expr::check_expr(cx, base));
+    if let Some(base) = base {
+        statement::expect_type(cx, base, &Ty::Struct(ty.clone()), &Wanted::Here);
+    }
+    let given = check_field_values(cx, &ty, &value.fields);
+    let parts = given.and_then(|given| fill_fields(cx, &ty, &given, base, span));
+    match parts {
+        Some(parts) => cx.add(Kind::Build(parts.into()), Ty::Struct(ty), span),
+        None => cx.add(Kind::Fault, Ty::Struct(ty), span),
+    }
+}
+
+/// Resolves the struct type of a literal; reports a name that is not a struct.
+fn resolve_struct_type<'a>(
+    cx: &mut Body<'_, 'a>,
+    name: &Ident,
+    statics: &'a [StaticArg],
+) -> Option<Rc<StructTy>> {
+    let Lookup::Found(id) = cx.c.program.lookup_in(Space::Type, cx.module, &name.name) else {
+        let near = {
+            let is_type = |id| matches!(cx.c.program.decl(id).kind, DeclKind::Type(_));
+            let names = cx.c.program.visible(cx.module, is_type);
+            cx.c.suggest(&name.name, names)
+        };
+        undefined_names::report_undefined(cx, "type", &name.name, name.span, near);
+        return None;
+    };
+    let decl = cx.c.program.decl(id).clone();
+    if let DeclKind::Type(_) = decl.kind {
+        match data::type_instance_for(cx, id, statics, name.span) {
+            Ty::Struct(ty) => return Some(ty),
+            Ty::Unknown => return None,
+            _ => {}
+        }
+    }
+    let finding = not_a(
+        "a struct",
+        &name.name,
+        decl.kind.what(),
+        name.span,
+        decl.span,
+    );
+    report::report_diagnostic(cx, finding);
+    None
+}
+
+/// Checks the values of a struct literal and assigns them to the fields.
+fn check_field_values<'a>(
+    cx: &mut Body<'_, 'a>,
+    ty: &Rc<StructTy>,
+    fields: &'a [FieldValue],
+) -> Option<Vec<Option<ExprId>>> {
+    let values = fields
+        .iter()
+        .map(|field| (field, expr::check_expr(cx, &field.value)));
+    let values: Vec<(&FieldValue, ExprId)> = values.collect();
+    match_fields(cx, ty, &values)
+}
+
+/// Returns the value of each field, `None` for a field without a value. Returns `None` after the error about an
+/// unknown field, as that may be a missing one, misspelt.
+pub(crate) fn match_fields<'a>(
+    cx: &mut Body<'_, 'a>,
+    ty: &Rc<StructTy>,
+    fields: &[(&'a FieldValue, ExprId)],
+) -> Option<Vec<Option<ExprId>>> {
+    let mut given = vec![None; ty.fields.len()];
+    let mut sound = true;
+    for (value, id) in fields.iter().copied() {
+        let name = &value.field.name;
+        let Some(k) = ty.fields.iter().position(|f| f.name.as_ref() == Some(name)) else {
+            let of = format!("the struct `{}`", ty.name);
+            report::report_diagnostic(cx, no_part(&Ty::Struct(ty.clone()), &of, &value.field));
+            sound = false;
+            continue;
+        };
+        statement::expect_type(cx, id, &ty.fields[k].ty, &Wanted::Here);
+        if let Some(first) = given[k].replace(id) {
+            let finding = crate::program::twice(name, value.field.span, cx.span_of(first));
+            report::report_diagnostic(cx, finding);
+        }
+    }
+    sound.then_some(given)
+}
+
+/// Returns the values of all fields. Fields without a value are taken from `base` or from their defaults; reports
+/// missing ones.
+pub(crate) fn fill_fields(
+    cx: &mut Body<'_, '_>,
+    ty: &Rc<StructTy>,
+    given: &[Option<ExprId>],
+    base: Option<ExprId>,
+    span: Span,
+) -> Option<Vec<ExprId>> {
+    let mut parts = Vec::new();
+    let mut at = 0;
+    let mut left_out = Vec::new();
+    for (k, field) in ty.fields.iter().enumerate() {
+        let part = match (given[k], base, ty.defaults.get(k)) {
+            (Some(id), ..) => Some(id),
+            (None, Some(base), _) => Some(cx.add(Kind::Part { base, at }, field.ty.clone(), span)),
+            (None, None, Some(Some(default))) if default.is_empty() => {
+                Some(cx.add(Kind::Fault, field.ty.clone(), span))
+            }
+            (None, None, Some(Some(default))) => {
+                Some(cx.add(Kind::Const(default.clone()), field.ty.clone(), span))
+            }
+            _ => None,
+        };
+        match part {
+            Some(part) => parts.push(part),
+            None => left_out.extend(field.name.as_deref()),
+        }
+        at += leaves(&field.ty);
+    }
+    if left_out.is_empty() {
+        return Some(parts);
+    }
+    let finding = Finding::new(
+        Code::RPI1010,
+        format!(
+            "missing {} of `{}`",
+            crate::check::diagnostics::report::listed(left_out),
+            ty.name
+        ),
+    )
+    .at(span, "all fields without a default are required");
+    report::report_diagnostic(cx, finding);
+    None
+}

@@ -1,0 +1,339 @@
+//! Expressions: dispatch on their kind, literals, and simple forms.
+
+use crate::check::bodies::body::Body;
+use crate::check::bodies::elements;
+use crate::check::bodies::statement;
+use crate::check::calls::call;
+use crate::check::diagnostics::report;
+use crate::check::diagnostics::report::Wanted;
+use crate::check::exprs::access;
+use crate::check::exprs::bindings;
+use crate::check::exprs::clocked;
+use crate::check::exprs::compose;
+use crate::check::exprs::match_expr;
+use crate::check::exprs::names;
+use crate::check::exprs::ops;
+use crate::check::exprs::proof_only;
+use crate::check::exprs::update;
+use crate::check::signatures::unit;
+use crate::check::types;
+use crate::check::types::consts;
+use crate::check::types::data;
+use crate::check::types::exact_time;
+use crate::check::types::machine_int;
+use crate::check::types::quantity::plain_angle;
+use crate::ty::{Ty, join};
+use crate::typed::{Each, ExprId, Kind, Leaf};
+use crate::units::Base;
+use rpi_diag::{Applicability, Code, Finding, Span};
+use rpi_net::prim;
+use rpi_syntax::ast::{self, Among, ExprKind, Number, Quantity};
+
+/// Checks an expression and returns its entry in the table of typed expressions.
+pub(crate) fn check_expr<'a>(cx: &mut Body<'_, 'a>, expr: &'a ast::Expr) -> ExprId {
+    cx.c.nesting += 1;
+    let id = check_expr_kind(cx, expr);
+    cx.c.nesting -= 1;
+    id
+}
+
+fn check_expr_kind<'a>(cx: &mut Body<'_, 'a>, expr: &'a ast::Expr) -> ExprId {
+    let span = expr.span;
+    match &expr.kind {
+        ExprKind::Bool(value) => cx.add(Kind::Literal(Leaf::bool(*value)), Ty::Bool, span),
+        ExprKind::Number(number) => {
+            cx.numbers.insert(span);
+            number_literal(cx, number, false, span)
+        }
+        ExprKind::Quantity(quantity) => quantity_literal(cx, quantity, span),
+        ExprKind::Str(text) => cx.add(Kind::Literal(Leaf::Str(text.to_string())), Ty::Text, span),
+        ExprKind::Name(name) => names::resolve_name(cx, name, span),
+        ExprKind::Field(field) => access::field_access(cx, field, span),
+        ExprKind::Index(index) => access::index_access(cx, index, span),
+        ExprKind::Slice(slice) => access::slice_access(cx, slice, span),
+        ExprKind::Bits(of) => machine_int::bit_slice(cx, of, span),
+        ExprKind::Unary(op, operand) => ops::unary(cx, *op, operand, span),
+        ExprKind::Binary(binary) => ops::check_binary(cx, binary, span),
+        ExprKind::When(when) => clocked::when_expr(cx, when, span),
+        ExprKind::If(choice) => if_expr(cx, choice, span),
+        ExprKind::Call(call) => call::check_call(cx, call, span),
+        ExprKind::Among(among, operands) => at_most_one_or_nor(cx, *among, operands, span),
+        ExprKind::Merge(merge) => clocked::merge_expr(cx, merge, span),
+        ExprKind::Paren(inner) => check_expr(cx, inner),
+        ExprKind::Tuple(elements) => tuple_expr(cx, elements, span),
+        ExprKind::Array(elements) => compose::array_literal(cx, elements, span),
+        ExprKind::Struct(value) => compose::struct_literal(cx, value, span),
+        ExprKind::Update(update) => update::check_update(cx, update, span),
+        ExprKind::Quantified(of) => proof_only::check_quantifier(cx, of, span),
+        ExprKind::Ascribed(of) => proof_only::ascription(cx, of),
+        ExprKind::IsA(of) => data::constructor_test(cx, of, span),
+        ExprKind::Match(of) => match_expr::match_expr(cx, of, span),
+        ExprKind::EmptySet(types) => proof_only::empty_set(cx, types, span),
+    }
+}
+
+/// Checks a number literal. `negative` is true after a minus sign, which makes -2^63 a valid integer.
+pub(crate) fn number_literal(
+    cx: &mut Body<'_, '_>,
+    number: &Number,
+    negative: bool,
+    span: Span,
+) -> ExprId {
+    if !number.is_int() {
+        let value = if negative {
+            -number.real()
+        } else {
+            number.real()
+        };
+        return cx.add(Kind::Literal(Leaf::real(value)), Ty::REAL, span);
+    }
+    let Some(value) = number.int() else {
+        // The parser has reported it, except after a sign that may be the end of `uint@<64>`.
+        if number.bits().is_some() && !unit::reads_rpi_syntax(cx) {
+            return cx.fault_with(too_large(span), span);
+        }
+        return cx.fault(span);
+    };
+    match signed(value, negative) {
+        Some(value) => cx.add(Kind::Literal(Leaf::int(value)), Ty::Int, span),
+        None => cx.fault_with(too_large(span), span),
+    }
+}
+
+/// Checks a number with a unit.
+fn quantity_literal(cx: &mut Body<'_, '_>, quantity: &Quantity, span: Span) -> ExprId {
+    match types::resolve_unit(cx, &quantity.unit) {
+        Ok(None) => cx.fault(span),
+        Ok(Some(measure)) => {
+            let value = measure.factor.apply(quantity.number.real());
+            cx.add(
+                Kind::Literal(Leaf::real(value)),
+                Ty::Real(measure.dim),
+                span,
+            )
+        }
+        Err(finding) => cx.fault_with(*finding, span),
+    }
+}
+
+/// Reports a number without a unit where an angle is expected. SI treats the radian as dimensionless, so that unit
+/// checking alone would accept it.
+pub(crate) fn check_angle_unit(cx: &mut Body<'_, '_>, id: ExprId, expected: &Ty) -> bool {
+    let expr = cx.unit.expr(id);
+    let (Kind::Literal(value), Ty::Real(found), Ty::Real(wanted)) =
+        (&expr.kind, &expr.ty, expected)
+    else {
+        return true;
+    };
+    let angle = !wanted.exponent(Base::Angle).is_zero() && found.exponent(Base::Angle).is_zero();
+    if !angle || value.as_real() == Some(0.0) {
+        return true;
+    }
+    let finding = plain_angle(*wanted, report::measured_value(cx, id));
+    report::report_diagnostic(cx, finding);
+    false
+}
+
+/// Checks `if c then x else y`.
+fn if_expr<'a>(cx: &mut Body<'_, 'a>, choice: &'a ast::If, span: Span) -> ExprId {
+    if choice.is_static {
+        return static_if_expr(cx, choice, span);
+    }
+    let before = cx.statics_read;
+    let condition = statement::check_condition(cx, &choice.condition, "the expression after `if`");
+    if cx.statics_read > before {
+        cx.unit.chosen.push(condition);
+    }
+    if let Some(taken) = elements::const_condition(cx, &choice.condition, condition) {
+        return check_expr(cx, if taken { &choice.yes } else { &choice.no });
+    }
+    let guarded = cx.guarded;
+    cx.guarded |= bindings::reads_binding(cx, &choice.condition);
+    let before = cx.findings.len();
+    let yes = check_expr(cx, &choice.yes);
+    let between = cx.findings.len();
+    let no = check_expr(cx, &choice.no);
+    cx.guarded = guarded;
+    suppress_untaken_branch(cx, condition, [before, between]);
+    let ty = common_type(
+        cx,
+        yes,
+        no,
+        "both branches of an `if` must have the same type",
+    );
+    cx.add(Kind::Each(Each::If, [condition, yes, no].into()), ty, span)
+}
+
+/// Removes errors about a division by zero in a branch that a constant condition never takes: `if n = 0 then 0 else
+/// x div n`.
+fn suppress_untaken_branch(
+    cx: &mut Body<'_, '_>,
+    condition: ExprId,
+    [before, between]: [usize; 2],
+) {
+    let is_of_zero = |finding: &Finding| finding.code == Code::RPI2012;
+    if !cx.findings[before..].iter().any(is_of_zero) {
+        return;
+    }
+    let taken = consts::fold_silently(cx, condition);
+    let Some(taken) = taken.and_then(|leaves| leaves.first().and_then(Leaf::as_bool)) else {
+        return;
+    };
+    let untaken = if taken {
+        between..cx.findings.len()
+    } else {
+        before..between
+    };
+    let mut at = 0..cx.findings.len();
+    cx.findings
+        .retain(|finding| at.next().is_none_or(|k| !untaken.contains(&k)) || !is_of_zero(finding));
+    cx.made_real = cx.made_real.filter(|at| *at < before);
+}
+
+/// Checks `with c then x else y`: only the branch that is taken is checked.
+fn static_if_expr<'a>(cx: &mut Body<'_, 'a>, choice: &'a ast::If, span: Span) -> ExprId {
+    let Some(taken) = consts::const_value(cx, &choice.condition, &Ty::Bool) else {
+        return cx.fault(span);
+    };
+    match taken.first().and_then(Leaf::as_bool) {
+        Some(true) => check_expr(cx, &choice.yes),
+        _ => check_expr(cx, &choice.no),
+    }
+}
+
+/// Returns the common type of two expressions; reports a mismatch at the second one, or at a number literal.
+pub(crate) fn common_type(cx: &mut Body<'_, '_>, a: ExprId, b: ExprId, why: &str) -> Ty {
+    exact_time::unify_times(cx, a, b);
+    match join(cx.ty_of(a), cx.ty_of(b)) {
+        Ok(ty) => ty,
+        Err(misfit) => {
+            // A number literal is the easiest to change, and often only lacks its unit or decimal point.
+            let points = (cx.ty_of(a) == &Ty::Int, cx.ty_of(b) == &Ty::Int);
+            let lacks_point = report::is_number_literal(cx, b) && points == (true, false);
+            let (model, odd, misfit) = match report::is_number_literal(cx, a)
+                && (!report::is_number_literal(cx, b) || lacks_point)
+            {
+                true => (b, a, misfit.turned()),
+                false => (a, b, misfit),
+            };
+            let expected = cx.ty_of(model).clone();
+            let wanted = Wanted::By(cx.span_of(model), format!("this is `{expected}`; {why}"));
+            report::type_mismatch(cx, odd, &expected, &misfit, &wanted);
+            let both = report::is_number_literal(cx, a) && report::is_number_literal(cx, b);
+            if both && let (Ty::Real(_), Ty::Int) = (&expected, cx.ty_of(odd)) {
+                soften_number_fix(cx);
+                return Ty::Unknown;
+            }
+            // Two arrays of different size: either size may be the intended one.
+            match (&expected, cx.ty_of(odd)) {
+                (Ty::Array(..), Ty::Array(..)) => Ty::Unknown,
+                _ => expected,
+            }
+        }
+    }
+}
+
+/// Adds to the last diagnostic that either `1` or `1.0` may be the wrong literal.
+fn soften_number_fix(cx: &mut Body<'_, '_>) {
+    if let Some(finding) = cx.findings.last_mut() {
+        for fix in &mut finding.fixes {
+            fix.applicability = Applicability::Maybe;
+        }
+        let other = "to use integers, write the other number without a decimal point";
+        finding.help.push(other.to_owned());
+    }
+}
+
+/// Checks `#(a, b, c)`, at most one operand is true, and `nor(a, b, c)`, none is.
+fn at_most_one_or_nor<'a>(
+    cx: &mut Body<'_, 'a>,
+    among: Among,
+    operands: &'a [ast::Expr],
+    span: Span,
+) -> ExprId {
+    let operands: Vec<ExprId> = operands
+        .iter()
+        .flat_map(|operand| boolean_operands(cx, operand))
+        .collect();
+    match among {
+        Among::Nor => none_of(cx, &operands, span),
+        Among::AtMostOne => at_most_one(cx, &operands, span),
+    }
+}
+
+/// Checks a Boolean operand or an array of Booleans; returns the Booleans.
+pub(crate) fn boolean_operands<'a>(cx: &mut Body<'_, 'a>, operand: &'a ast::Expr) -> Vec<ExprId> {
+    let id = check_expr(cx, operand);
+    if let Ty::Array(element, n) = cx.ty_of(id).clone() {
+        let parts = (0..n).map(|k| {
+            cx.add(
+                Kind::Part { base: id, at: k },
+                (*element).clone(),
+                operand.span,
+            )
+        });
+        let parts: Vec<ExprId> = parts.collect();
+        for part in &parts {
+            statement::expect_type(cx, *part, &Ty::Bool, &Wanted::Here);
+        }
+        return parts;
+    }
+    statement::expect_type(cx, id, &Ty::Bool, &Wanted::Here);
+    vec![id]
+}
+
+/// Adds an expression that is true if no operand is true.
+fn none_of(cx: &mut Body<'_, '_>, operands: &[ExprId], span: Span) -> ExprId {
+    let any = any_of(cx, operands, span);
+    ops::logical_prim(cx, prim!("Core::BooleanNot"), &[any], span)
+}
+
+/// Adds the disjunction of the operands.
+fn any_of(cx: &mut Body<'_, '_>, operands: &[ExprId], span: Span) -> ExprId {
+    let first = cx.add(Kind::Literal(Leaf::bool(false)), Ty::Bool, span);
+    let or = |any: ExprId, next: &ExprId| {
+        ops::logical_prim(cx, prim!("Core::BooleanOr"), &[any, *next], span)
+    };
+    operands.iter().fold(first, or)
+}
+
+/// Adds an expression that is true if at most one operand is true. Its size is linear in the number of operands.
+pub(crate) fn at_most_one(cx: &mut Body<'_, '_>, operands: &[ExprId], span: Span) -> ExprId {
+    let [first, rest @ ..] = operands else {
+        return cx.add(Kind::Literal(Leaf::bool(true)), Ty::Bool, span);
+    };
+    let (mut any, mut two) = (*first, None);
+    for next in rest {
+        let both = ops::logical_prim(cx, prim!("Core::BooleanAnd"), &[any, *next], span);
+        two = Some(match two {
+            Some(two) => ops::logical_prim(cx, prim!("Core::BooleanOr"), &[two, both], span),
+            None => both,
+        });
+        any = ops::logical_prim(cx, prim!("Core::BooleanOr"), &[any, *next], span);
+    }
+    match two {
+        Some(two) => ops::logical_prim(cx, prim!("Core::BooleanNot"), &[two], span),
+        None => cx.add(Kind::Literal(Leaf::bool(true)), Ty::Bool, span),
+    }
+}
+
+/// Checks a tuple.
+fn tuple_expr<'a>(cx: &mut Body<'_, 'a>, elements: &'a [ast::Expr], span: Span) -> ExprId {
+    let elements: Vec<ExprId> = elements.iter().map(|e| check_expr(cx, e)).collect();
+    let ty = Ty::tuple(elements.iter().map(|id| cx.ty_of(*id).clone()));
+    cx.add(Kind::Build(elements.into()), ty, span)
+}
+
+/// Returns the diagnostic for an integer literal that exceeds 64 bits.
+fn too_large(span: Span) -> Finding {
+    Finding::new(Code::RPI2010, "the integer does not fit in 64 bits")
+        .at(span, "the range is -2^63 to 2^63 - 1")
+}
+
+/// Returns a literal with its sign; `None` on overflow.
+fn signed(value: u64, negative: bool) -> Option<i64> {
+    match negative {
+        true => 0i64.checked_sub_unsigned(value),
+        false => i64::try_from(value).ok(),
+    }
+}

@@ -1,0 +1,394 @@
+//! `match` expressions of Kind 2 with nested patterns: `match o with Wrap(A): 0 | Wrap(B(n)): n | Empty: 1 end`.
+//!
+//! The first matching case is taken. Missing and unreachable cases are found by the usefulness check of Maranget,
+//! "Warnings for pattern matching" (2007): is there a value that matches a pattern and none of the patterns before it?
+
+use crate::check::bodies::body::Body;
+use crate::check::diagnostics::report;
+use crate::check::diagnostics::report::listed;
+use crate::check::exprs::bindings;
+use crate::check::exprs::bindings::Means;
+use crate::check::exprs::expr;
+use crate::check::exprs::ops;
+use crate::check::types::data;
+use crate::program::{DeclKind, Lookup, Space};
+use crate::ty::{EnumTy, Ty};
+use crate::typed::{Each, ExprId, Kind};
+use rpi_diag::{Code, Finding, Span};
+use rpi_syntax::Name;
+use rpi_syntax::ast::{Arm, Ident, Match, Pattern};
+use rpi_syntax::ops::BinaryOp;
+use std::rc::Rc;
+
+/// A pattern, reduced to what the search for missing cases needs.
+#[derive(Clone)]
+enum Shape {
+    /// Any value: a name or `_`.
+    Any,
+    /// The alternative of this index, with a pattern for each of its parts.
+    Of(usize, Vec<Shape>),
+}
+
+/// The wildcard pattern.
+const ANY: &Shape = &Shape::Any;
+
+/// Maximum number of pattern rows examined in the search for missing cases, and again in the search for unreachable
+/// ones. The search is exponential in the worst case.
+const MAX_STEPS: usize = 100_000;
+
+/// A case of a `match`: its pattern, the conditions under which it is taken, and its value.
+struct Case {
+    shape: Shape,
+    tests: Vec<ExprId>,
+    then: ExprId,
+}
+
+/// Checks `match x with A: 1 | B(n): n end`; the result is a chain of `if` expressions.
+pub(crate) fn match_expr<'a>(cx: &mut Body<'_, 'a>, of: &'a Match, span: Span) -> ExprId {
+    let value = expr::check_expr(cx, &of.value);
+    let known = data::alternatives(cx, value);
+    let before = cx.findings.len();
+    let mut cases: Vec<Case> = Vec::new();
+    for arm in &of.arms {
+        let case = check_match_case(cx, value, known.is_some(), arm);
+        if let Some(first) = cases.first() {
+            expr::common_type(
+                cx,
+                first.then,
+                case.then,
+                "all cases must have the same type",
+            );
+        }
+        cases.push(case);
+    }
+    let Some((all, _)) = known else {
+        let ty = cases
+            .first()
+            .map_or(Ty::Unknown, |case| cx.ty_of(case.then).clone());
+        return cx.add(Kind::Fault, ty, span);
+    };
+    if !report::has_error_since(cx, before) {
+        check_exhaustiveness(cx, &all, value, of, &cases, span);
+    }
+    if report::has_error_since(cx, before) {
+        return cx.fault(span);
+    }
+    // Built from the end: the cases are exhaustive, so the last one is the final `else`.
+    let mut cases = cases.into_iter().rev();
+    let Some(last) = cases.next() else {
+        return cx.fault(span);
+    };
+    cases.fold(last.then, |rest, case| {
+        let Some(test) = conjunction(cx, &case.tests, span) else {
+            return case.then;
+        };
+        let ty = cx.ty_of(case.then).clone();
+        cx.add(
+            Kind::Each(Each::If, [test, case.then, rest].into()),
+            ty,
+            span,
+        )
+    })
+}
+
+fn conjunction(cx: &mut Body<'_, '_>, tests: &[ExprId], span: Span) -> Option<ExprId> {
+    let (first, rest) = tests.split_first()?;
+    let and = |whole, test| ops::binary_prim(cx, BinaryOp::And, whole, test, span);
+    Some(rest.iter().copied().fold(*first, and))
+}
+
+/// Checks a case. The names in its pattern are in scope while its value is checked.
+fn check_match_case<'a>(
+    cx: &mut Body<'_, 'a>,
+    value: ExprId,
+    is_known: bool,
+    arm: &'a Arm,
+) -> Case {
+    let before = cx.bound.len();
+    let mut tests = Vec::new();
+    let shape = match is_known {
+        true => check_pattern(cx, value, &arm.pattern, &mut tests),
+        // The error in the value has been reported; the names in the pattern get error expressions.
+        false => {
+            for name in arm.pattern.names() {
+                let nothing = cx.fault(name.span);
+                bindings::bind_name(cx, name, Means::Expr(nothing));
+            }
+            Shape::Any
+        }
+    };
+    let then = expr::check_expr(cx, &arm.then);
+    cx.bound.truncate(before);
+    Case { shape, tests, then }
+}
+
+/// Returns the shape of a pattern, adds its conditions to `tests` and binds its names to parts of the value.
+fn check_pattern<'a>(
+    cx: &mut Body<'_, 'a>,
+    value: ExprId,
+    pattern: &'a Pattern,
+    tests: &mut Vec<ExprId>,
+) -> Shape {
+    let name = &pattern.name;
+    let has_alternatives = alternatives_of(cx.ty_of(value)).is_some();
+    let known = match has_alternatives || !pattern.parts.is_empty() {
+        true => data::alternatives(cx, value),
+        false => None,
+    };
+    let index = known
+        .as_ref()
+        .and_then(|(all, _)| all.values.iter().position(|value| *value == name.name));
+    match (known, index) {
+        (Some((all, tag)), Some(index)) => {
+            let test = data::tag_test(cx, &all, tag, index, name.span);
+            tests.push(test);
+            Shape::Of(index, check_part_patterns(cx, value, pattern, index, tests))
+        }
+        (Some((all, _)), None) if is_declared_value(cx, name) || !pattern.parts.is_empty() => {
+            data::report_unknown_alternative(cx, &all, name);
+            Shape::Any
+        }
+        _ => {
+            if name.name != "_" {
+                bindings::bind_name(cx, name, Means::Expr(value));
+            }
+            Shape::Any
+        }
+    }
+}
+
+fn is_declared_value(cx: &Body<'_, '_>, name: &Ident) -> bool {
+    let found = cx.c.program.lookup_in(Space::Value, cx.module, &name.name);
+    matches!(found, Lookup::Found(_))
+}
+
+fn check_part_patterns<'a>(
+    cx: &mut Body<'_, 'a>,
+    value: ExprId,
+    pattern: &'a Pattern,
+    index: usize,
+    tests: &mut Vec<ExprId>,
+) -> Vec<Shape> {
+    let (from, count) = parts_of_alternative(cx, &pattern.name.name, index);
+    if count != pattern.parts.len() {
+        let span = pattern.name.span;
+        data::report_part_count(cx, &pattern.name, count, pattern.parts.len(), span);
+        return vec![Shape::Any; count];
+    }
+    let fields = cx.ty_of(value).members().to_vec();
+    let mut shapes = Vec::with_capacity(count);
+    let mut at = 0;
+    for (k, field) in fields.iter().enumerate() {
+        if let Some(pattern) = k.checked_sub(from).and_then(|k| pattern.parts.get(k)) {
+            let span = pattern.name.span;
+            let part = Kind::Part { base: value, at };
+            let part = cx.add(part, field.ty.clone(), span);
+            shapes.push(check_pattern(cx, part, pattern, tests));
+        }
+        at += crate::check::exprs::access::leaves(&field.ty);
+    }
+    shapes
+}
+
+/// Returns the index of the first field that holds a part of an alternative, and the number of its parts.
+fn parts_of_alternative(cx: &Body<'_, '_>, name: &Name, index: usize) -> (usize, usize) {
+    let found = cx.c.program.lookup_in(Space::Value, cx.module, name);
+    let Lookup::Found(id) = found else {
+        return (0, 0);
+    };
+    match cx.c.program.decl(id).kind {
+        DeclKind::Constructor { ty, .. } => data::constructor_field_range(cx, ty, index as u32),
+        _ => (0, 0),
+    }
+}
+
+/// Reports missing cases and unreachable cases of a `match`.
+fn check_exhaustiveness(
+    cx: &mut Body<'_, '_>,
+    all: &EnumTy,
+    value: ExprId,
+    of: &Match,
+    cases: &[Case],
+    span: Span,
+) {
+    let mut search = Search { body: cx, steps: 0 };
+    let types = [search.body.ty_of(value).clone()];
+    let rows: Vec<Vec<&Shape>> = cases.iter().map(|case| vec![&case.shape]).collect();
+    let without = |k: &usize| {
+        let is_it = |case: &Case| matches!(&case.shape, Shape::Of(index, _) if index == k);
+        !cases.iter().any(is_it)
+    };
+    let has_any = cases.iter().any(|case| matches!(case.shape, Shape::Any));
+    let mut missing: Vec<String> = match has_any {
+        true => Vec::new(),
+        false => (0..all.values.len())
+            .filter(without)
+            .map(|k| all.values[k].to_string())
+            .collect(),
+    };
+    if missing.is_empty() && !has_any {
+        missing.extend(
+            search
+                .fits_none(&types, &rows, &[ANY])
+                .into_iter()
+                .flatten(),
+        );
+    }
+    let unknown = missing.is_empty() && search.steps > MAX_STEPS;
+    search.steps = 0;
+    let mut needless = Vec::new();
+    for k in 1..rows.len() {
+        if search.fits_none(&types, &rows[..k], &rows[k]).is_none() {
+            needless.push(k);
+        }
+    }
+    if search.steps > MAX_STEPS {
+        needless.clear();
+    }
+    if !missing.is_empty() {
+        let missing = listed(missing.iter().map(String::as_str));
+        let finding = Finding::new(
+            Code::RPI2011,
+            format!("non-exhaustive match: {missing} not covered"),
+        )
+        .at(span, "a `match` needs a case for every alternative");
+        report::report_diagnostic(cx, finding);
+    }
+    if unknown {
+        report::report_diagnostic(cx, too_many_cases(span));
+    }
+    for k in needless {
+        report::report_diagnostic(cx, needless_case(&of.arms[..k], &of.arms[k].pattern));
+    }
+}
+
+/// Returns the diagnostic for a case that no value reaches.
+fn needless_case(before: &[Arm], pattern: &Pattern) -> Finding {
+    let text = written(pattern);
+    let mut before = before.iter().map(|arm| &arm.pattern);
+    let same = before.find(|first| written(first) == text);
+    if let Some(first) = same {
+        let again = Ident {
+            name: text.as_str().into(),
+            span: pattern.name.span,
+        };
+        return crate::check::exprs::clocked::case_twice(&again, first.name.span);
+    }
+    Finding::new(Code::RPI2011, format!("unreachable case `{text}`")).at(
+        pattern.name.span,
+        "the cases before it cover all its values",
+    )
+}
+
+/// Returns the diagnostic for a `match` with too many cases to search for missing ones.
+fn too_many_cases(span: Span) -> Finding {
+    let message = "too many combinations of cases to check for exhaustiveness";
+    Finding::new(Code::RPI1011, message)
+        .at(span, "a case may be missing")
+        .help("nest a `match` on one part in a case of another, or add a last case `_`")
+}
+
+/// Returns a pattern as source text.
+fn written(pattern: &Pattern) -> String {
+    let parts: Vec<String> = pattern.parts.iter().map(written).collect();
+    match &parts[..] {
+        [] => pattern.name.name.to_string(),
+        parts => format!("{}({})", pattern.name.name, parts.join(", ")),
+    }
+}
+
+/// Returns the enumeration of a type's alternatives; `None` if the type has none.
+fn alternatives_of(ty: &Ty) -> Option<&Rc<EnumTy>> {
+    match ty {
+        Ty::Enum(all) => Some(all),
+        Ty::Struct(of) => match of.fields.first() {
+            Some(tag) if tag.name.as_deref() == Some(crate::check::types::data::TAG) => {
+                alternatives_of(&tag.ty)
+            }
+            _ => None,
+        },
+        _ => None,
+    }
+}
+
+/// Search for values that no case matches, with its step count.
+struct Search<'s, 'c, 'a> {
+    body: &'s Body<'c, 'a>,
+    steps: usize,
+}
+
+impl Search<'_, '_, '_> {
+    /// Returns values of these types, as source text, that match `wanted` and none of the rows; `None` if there are
+    /// none, or at the step limit.
+    fn fits_none(
+        &mut self,
+        types: &[Ty],
+        rows: &[Vec<&Shape>],
+        wanted: &[&Shape],
+    ) -> Option<Vec<String>> {
+        if rows
+            .iter()
+            .any(|row| row.iter().all(|shape| matches!(shape, Shape::Any)))
+        {
+            return None;
+        }
+        self.steps += rows.len().max(1);
+        if self.steps > MAX_STEPS {
+            return None;
+        }
+        let (Some((ty, types)), Some((first, rest))) = (types.split_first(), wanted.split_first())
+        else {
+            return Some(Vec::new());
+        };
+        let is_of = |row: &Vec<&Shape>| matches!(row.first(), Some(Shape::Of(..)));
+        match (first, alternatives_of(ty)) {
+            (Shape::Of(index, parts), Some(all)) => {
+                let parts: Vec<&Shape> = parts.iter().collect();
+                self.fits_none_of((ty, all, *index), types, rows, (&parts, rest))
+            }
+            (_, Some(all)) if rows.iter().any(is_of) => (0..all.values.len()).find_map(|index| {
+                let (_, count) = parts_of_alternative(self.body, &all.values[index], index);
+                let parts = vec![ANY; count];
+                self.fits_none_of((ty, all, index), types, rows, (&parts, rest))
+            }),
+            _ => {
+                let rows = rows.iter().filter(|row| !is_of(row));
+                let rows: Vec<Vec<&Shape>> = rows.map(|row| row[1..].to_vec()).collect();
+                let mut found = self.fits_none(types, &rows, rest)?;
+                found.insert(0, "_".to_owned());
+                Some(found)
+            }
+        }
+    }
+
+    /// Does the same as [`Self::fits_none`] for a first value that has the alternative `index`.
+    fn fits_none_of(
+        &mut self,
+        (ty, all, index): (&Ty, &Rc<EnumTy>, usize),
+        types: &[Ty],
+        rows: &[Vec<&Shape>],
+        (parts, rest): (&[&Shape], &[&Shape]),
+    ) -> Option<Vec<String>> {
+        let name = &all.values[index];
+        let (from, count) = parts_of_alternative(self.body, name, index);
+        let fields = ty.members().iter().skip(from).take(count);
+        let inner: Vec<Ty> = fields.map(|field| field.ty.clone()).collect();
+        let opened = rows.iter().filter_map(|row| match row.split_first()? {
+            (Shape::Any, rest) => Some([&vec![ANY; count], rest].concat()),
+            (Shape::Of(k, parts), rest) if *k == index => {
+                let parts: Vec<&Shape> = parts.iter().collect();
+                Some([&parts, rest].concat())
+            }
+            _ => None,
+        });
+        let opened: Vec<Vec<&Shape>> = opened.collect();
+        let types = [&inner, types].concat();
+        let mut found = self.fits_none(&types, &opened, &[parts, rest].concat())?;
+        let after = found.split_off(count.min(found.len()));
+        let written = match &found[..] {
+            [] => name.to_string(),
+            parts => format!("{name}({})", parts.join(", ")),
+        };
+        Some([vec![written], after].concat())
+    }
+}

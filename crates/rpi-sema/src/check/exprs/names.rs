@@ -1,0 +1,378 @@
+//! Names in expressions.
+
+use crate::check::Constant;
+use crate::check::bodies::body::Body;
+use crate::check::bodies::contract;
+use crate::check::bodies::locals;
+use crate::check::bodies::locals::Local;
+use crate::check::bodies::type_inference;
+use crate::check::calls::prim;
+use crate::check::diagnostics::foreign;
+use crate::check::diagnostics::report;
+use crate::check::diagnostics::report::listed;
+use crate::check::diagnostics::report::not_a;
+use crate::check::diagnostics::report::unknown;
+use crate::check::diagnostics::undefined_names;
+use crate::check::exprs::access;
+use crate::check::exprs::bindings;
+use crate::check::signatures::static_args::Static;
+use crate::check::signatures::unit;
+use crate::check::types;
+use crate::check::types::consts;
+use crate::check::types::data;
+use crate::program::{Decl, DeclId, DeclKind, Lookup, Space};
+use crate::ty::Ty;
+use crate::typed::{BlockId, ExprId, FlowId, Kind, Leaf, UnitKind};
+use rpi_diag::{Code, Finding, Span};
+use rpi_net::prim;
+use rpi_prims::PrimId;
+use rpi_syntax::Name;
+use rpi_syntax::ast::{self, CommandDecl, ExprKind};
+
+/// A predeclared flow: name, primitive, type, and whether only commands have it.
+pub(crate) struct Predeclared {
+    pub(crate) name: &'static str,
+    pub(crate) prim: PrimId,
+    pub(crate) ty: Ty,
+    of_command: bool,
+}
+
+/// All predeclared flows.
+pub(crate) const PREDECLARED: &[Predeclared] = &[
+    flow("cancel", prim!("Cancel"), Ty::Bool, true),
+    flow("takeover", prim!("Takeover"), Ty::Bool, true),
+    flow("predecessor", prim!("Rpi::Predecessor"), Ty::Result, true),
+    flow("first", prim!("Rpi::First"), Ty::Bool, false),
+    flow("time", prim!("Rpi::Elapsed"), Ty::Duration, false),
+    flow("dt", prim!("Rpi::PeriodTicks"), Ty::Duration, false),
+];
+
+const fn flow(name: &'static str, prim: PrimId, ty: Ty, of_command: bool) -> Predeclared {
+    Predeclared {
+        name,
+        prim,
+        ty,
+        of_command,
+    }
+}
+
+/// Returns the name of the predeclared flow that a primitive computes.
+pub(crate) fn predeclared_name(prim: &str) -> Option<&'static str> {
+    let flow = PREDECLARED
+        .iter()
+        .find(|flow| flow.prim.desc().name == prim);
+    flow.map(|flow| flow.name)
+}
+
+/// Resolves a plain or qualified name.
+pub(crate) fn resolve_name(cx: &mut Body<'_, '_>, name: &Name, span: Span) -> ExprId {
+    if let Some(bound) = bindings::read_binding(cx, name, span) {
+        return bound;
+    }
+    if let Some(mode) = name.strip_prefix("::") {
+        return contract::mode_condition(cx, mode, span);
+    }
+    if let Some(local) = locals::find_local(cx, name) {
+        return resolve_local(cx, name, &local, span);
+    }
+    match cx.statics.get(name) {
+        Some(Static::Value(constant)) => {
+            cx.statics_read += 1;
+            let constant = constant.clone();
+            return constant_expr(cx, &constant, span);
+        }
+        Some(_) => return not_a_flow(cx, name, "a static parameter", span, span),
+        None => {}
+    }
+    match cx.c.program.lookup_in(Space::Value, cx.module, name) {
+        Lookup::Found(id) => resolve_declared(cx, id, span),
+        Lookup::Missing => resolve_predeclared(cx, name, span),
+    }
+}
+
+fn resolve_local(cx: &mut Body<'_, '_>, name: &Name, local: &Local, span: Span) -> ExprId {
+    match local {
+        Local::Flow(flow) => flow_expr(cx, *flow, span),
+        Local::Constant(constant) => constant_expr(cx, constant, span),
+        // Fragments and states are not flows. A state may share its name with the constant or enum value that holds
+        // in it.
+        _ if let Some(value) = value_named(cx, name) => resolve_declared(cx, value, span),
+        Local::Block(block) => not_a_value(cx, name, "a fragment", *block, span),
+        Local::State(block) => not_a_value(cx, name, "a state", *block, span),
+        Local::States(places, _) => ambiguous_state(cx, name, *places, span),
+    }
+}
+
+fn not_a_value(
+    cx: &mut Body<'_, '_>,
+    name: &Name,
+    what: &str,
+    block: BlockId,
+    span: Span,
+) -> ExprId {
+    let declared = cx.unit.block(block).span;
+    let finding = not_a("a flow", name, what, span, declared)
+        .help(format!("read one of its flows: `{name}.x`"));
+    cx.fault_with(finding, span)
+}
+
+/// Reports a name that is a state of several automata and is read outside of them.
+pub(crate) fn ambiguous_state(
+    cx: &mut Body<'_, '_>,
+    name: &Name,
+    [first, second]: [Span; 2],
+    span: Span,
+) -> ExprId {
+    let message = format!("`{name}` is a state of more than one automaton");
+    let finding = Finding::new(Code::RPI1002, message)
+        .at(span, "ambiguous name")
+        .also(first, "one candidate")
+        .also(second, "another candidate")
+        .help("give one of them another name");
+    cx.fault_with(finding, span)
+}
+
+/// Returns the constant or enum value of this name.
+fn value_named(cx: &Body<'_, '_>, name: &Name) -> Option<DeclId> {
+    let Lookup::Found(id) = cx.c.program.lookup_in(Space::Value, cx.module, name) else {
+        return None;
+    };
+    let kind = &cx.c.program.decl(id).kind;
+    matches!(kind, DeclKind::Const(_) | DeclKind::EnumValue { .. }).then_some(id)
+}
+
+/// Adds an expression that reads a flow.
+pub(crate) fn flow_expr(cx: &mut Body<'_, '_>, flow: FlowId, span: Span) -> ExprId {
+    if cx.inferring {
+        type_inference::record_unknown_read(cx, flow, span);
+    }
+    let ty = cx.unit.flow(flow).ty.clone();
+    cx.add(Kind::Flow(flow), ty, span)
+}
+
+/// Adds an expression for a constant.
+pub(crate) fn constant_expr(cx: &mut Body<'_, '_>, constant: &Constant, span: Span) -> ExprId {
+    let kind = match &constant.leaves[..] {
+        [one] => Kind::Literal(one.clone()),
+        _ => Kind::Const(constant.leaves.clone()),
+    };
+    // Constants are evaluated without a known tick length, so times are in seconds there.
+    let ty = match &constant.ty {
+        Ty::Duration if cx.unit.kind == UnitKind::Constant => {
+            crate::check::types::exact_time::SECONDS
+        }
+        ty => ty.clone(),
+    };
+    cx.add(kind, ty, span)
+}
+
+fn resolve_declared(cx: &mut Body<'_, '_>, id: DeclId, span: Span) -> ExprId {
+    let decl = cx.c.program.decl(id).clone();
+    match decl.kind {
+        DeclKind::Const(_) => match consts::check_constant(cx.c, id) {
+            Some(constant) => constant_expr(cx, &constant, span),
+            None => cx.fault(span),
+        },
+        DeclKind::EnumValue { ty, index } => {
+            let ty = types::type_decl(cx.c, ty);
+            cx.add(Kind::Literal(Leaf::int(index.into())), ty, span)
+        }
+        DeclKind::Constructor { ty, index } => {
+            data::constructor_value(cx, (ty, index), &[], &[], span)
+        }
+        DeclKind::Broken(_) => cx.fault(span),
+        DeclKind::Frame(frame) => match consts::check_constant(cx.c, id) {
+            Some(constant) => constant_expr(cx, &constant, span),
+            None if frame.pose.is_some() => cx.fault(span),
+            None => {
+                let finding = not_a("a flow", &decl.name, "a frame", span, decl.span);
+                cx.fault_with(
+                    finding.help(format!(
+                        "declare its pose: `frame {0} in world = pose(...);`",
+                        decl.name
+                    )),
+                    span,
+                )
+            }
+        },
+        kind => not_a_flow(cx, &decl.name, kind.what(), span, decl.span),
+    }
+}
+
+fn not_a_flow(cx: &mut Body<'_, '_>, name: &str, is: &str, span: Span, declared: Span) -> ExprId {
+    cx.fault_with(not_a("a flow", name, is, span, declared), span)
+}
+
+fn resolve_predeclared(cx: &mut Body<'_, '_>, name: &Name, span: Span) -> ExprId {
+    if name == "none" {
+        return cx.add(Kind::None, Ty::Unknown, span);
+    }
+    let found = PREDECLARED.iter().find(|flow| name == flow.name);
+    match found.filter(|_| unit::reads_rpi_syntax(cx)) {
+        Some(flow) if flow.of_command && cx.unit.kind == UnitKind::Function => {
+            command_flow_in_function(cx, flow.name, span)
+        }
+        Some(flow) => {
+            if !flow.of_command {
+                cx.has_state(span);
+            }
+            prim::add_nullary_prim(cx, flow.prim, flow.ty.clone(), span)
+        }
+        None => undefined_flow(cx, name, span),
+    }
+}
+
+fn command_flow_in_function(cx: &mut Body<'_, '_>, name: &str, span: Span) -> ExprId {
+    let finding = Finding::new(Code::RPI3005, format!("a function cannot read `{name}`"))
+        .at(span, "it belongs to the running command")
+        .help("pass it to the function as an argument, or declare the function as a node");
+    cx.fault_with(finding, span)
+}
+
+fn undefined_flow(cx: &mut Body<'_, '_>, name: &Name, span: Span) -> ExprId {
+    if let Some(value) = access::enum_value_by_path(cx, name, span) {
+        return value;
+    }
+    if !cx.is_new_unknown(name) {
+        return cx.fault(span);
+    }
+    let near = cx.c.suggest(name, locals::local_names(cx));
+    let is_value = |id: DeclId| {
+        let kind = cx.c.program.decl(id).kind;
+        matches!(kind, DeclKind::Const(_) | DeclKind::EnumValue { .. })
+    };
+    let near = near.or_else(|| {
+        cx.c.suggest(name, cx.c.program.visible(cx.module, is_value))
+    });
+    if cx.unit.kind == UnitKind::Task {
+        let finding = unknown("device or parameter", name, span, near);
+        report::report_diagnostic(
+            cx,
+            finding.help(format!(
+                "declare the devices of a task as its parameters: `task {} (arm: Arm)`",
+                cx.unit.name
+            )),
+        );
+        return cx.fault(span);
+    }
+    let predeclared = PREDECLARED.iter().map(|flow| flow.name);
+    let values = ["true", "false", "none"].into_iter();
+    let is_near = near.is_some();
+    let near = near.or_else(|| rpi_diag::suggest(name, predeclared.chain(values)));
+    if let Some(help) = foreign::no_value(name).filter(|_| !is_near) {
+        let finding = unknown(
+            crate::check::diagnostics::undefined_names::FLOW,
+            name,
+            span,
+            None,
+        );
+        report::report_diagnostic(cx, finding.help(help));
+        return cx.fault(span);
+    }
+    let is_meant = |_: &&str| !is_near || !foreign::is_loose(name);
+    match foreign::value_here(name).filter(is_meant) {
+        Some(here) => undefined_names::report_foreign_name(cx, "value", name, span, here),
+        None => undefined_names::report_undefined(
+            cx,
+            crate::check::diagnostics::undefined_names::FLOW,
+            name,
+            span,
+            near,
+        ),
+    }
+    cx.fault(span)
+}
+
+/// Resolves `MoveToC.at_b`, the identity of a command's result; returns `None` if the name is not a command.
+pub(crate) fn command_result(
+    cx: &mut Body<'_, '_>,
+    name: &Name,
+    field: &ast::Ident,
+    span: Span,
+) -> Option<ExprId> {
+    if locals::find_local(cx, name).is_some() {
+        return None;
+    }
+    let Lookup::Found(id) = cx.c.program.lookup(cx.module, name) else {
+        return None;
+    };
+    let Decl { kind, .. } = cx.c.program.decl(id);
+    let DeclKind::Command(command) = *kind else {
+        return None;
+    };
+    let results = results_of(command);
+    if !results.contains(&&field.name) {
+        let near = rpi_diag::suggest(&field.name, results.iter().map(|name| name.as_str()));
+        let of = format!("the command `{name}`");
+        let finding =
+            crate::check::diagnostics::report::no_member(&of, &field.name, field.span, near).help(
+                format!(
+                    "its results are {}",
+                    listed(results.iter().map(|n| n.as_str()))
+                ),
+            );
+        return Some(cx.fault_with(finding, span));
+    }
+    let identity = result_identity(&format!("{name}.{}", field.name));
+    Some(cx.add(Kind::Literal(Leaf::int(identity)), Ty::Result, span))
+}
+
+/// Resolves a name with parts, as in `export a.b`.
+pub(crate) fn resolve_dotted<'a>(cx: &mut Body<'_, 'a>, dotted: &'a ast::Dotted) -> ExprId {
+    let [first, rest @ ..] = &dotted.parts[..] else {
+        return cx.fault(dotted.span);
+    };
+    if let (Some(Local::Block(block) | Local::State(block)), [field, after @ ..]) =
+        (locals::find_local(cx, &first.name), rest)
+    {
+        let of_block = access::block_member(cx, block, field, first.span.merge(field.span));
+        return after.iter().fold(of_block, |base, field| {
+            access::member_access(cx, base, field)
+        });
+    }
+    let base = resolve_name(cx, &first.name, first.span);
+    rest.iter()
+        .fold(base, |base, field| access::member_access(cx, base, field))
+}
+
+/// Returns the names of a command's results in text order.
+pub(crate) fn results_of(command: &CommandDecl) -> Vec<&Name> {
+    let ends = ends_of(command).into_iter();
+    ends.map(|end| &end.result.name).collect()
+}
+
+/// Returns the statements that end a command, in text order.
+pub(crate) fn ends_of(command: &CommandDecl) -> Vec<&ast::End> {
+    let statements = command.body.statements.iter();
+    let ends = statements.filter_map(|statement| match &statement.kind {
+        ast::StatementKind::End(end) => Some(end.as_ref()),
+        _ => None,
+    });
+    ends.collect()
+}
+
+/// Returns the run-time identity of a result: the 64-bit FNV-1a hash (Fowler, Noll, Vo) of `Command.result`.
+#[must_use]
+pub fn result_identity(path: &str) -> i64 {
+    let step = |hash: u64, byte: u8| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
+    path.bytes().fold(0xcbf2_9ce4_8422_2325, step).cast_signed()
+}
+
+/// Returns the name of an expression that is only a name, ignoring parentheses.
+pub(crate) fn plain_name(expr: &ast::Expr) -> Option<&Name> {
+    match &expr.unparen().kind {
+        ExprKind::Name(name) => Some(name),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn identities_are_those_of_fnv_1a() {
+        assert_eq!(result_identity("").cast_unsigned(), 0xcbf2_9ce4_8422_2325);
+        assert_eq!(result_identity("a").cast_unsigned(), 0xaf63_dc4c_8601_ec8c);
+    }
+}

@@ -1,0 +1,221 @@
+//! Constructs of Kind 2 that are for provers only (quantifiers, conditions of types, sets), and type ascriptions.
+
+use crate::check::bodies::body::Body;
+use crate::check::bodies::statement;
+use crate::check::diagnostics::report;
+use crate::check::diagnostics::report::Wanted;
+use crate::check::exprs::bindings;
+use crate::check::exprs::bindings::Means;
+use crate::check::exprs::expr;
+use crate::check::signatures::static_args;
+use crate::check::types;
+use crate::check::types::is_foreign;
+use crate::program::{DeclKind, Lookup, Space};
+use crate::ty::{StructTy, Ty};
+use crate::typed::{ExprId, Kind, UnitKind};
+use rpi_diag::{Code, Finding, Span};
+use rpi_syntax::ast::{
+    self, Ascribed, Call, Expr, NodeDef, NodeKind, Quantified, Refined, StaticArg, TypeKind,
+};
+use std::rc::Rc;
+
+/// Checks a quantifier `forall (x: int) c`. Its value is never computed.
+pub(crate) fn check_quantifier<'a>(
+    cx: &mut Body<'_, 'a>,
+    of: &'a Quantified,
+    span: Span,
+) -> ExprId {
+    let before = cx.bound.len();
+    for var in &of.vars {
+        let fixed = cx.fixed_before.replace(cx.bound.len());
+        let ty = types::resolve_type(cx, &var.ty);
+        cx.fixed_before = fixed;
+        check_quantifiable(cx, &ty, &var.ty);
+        for name in &var.names {
+            bindings::bind_name(cx, name, Means::Any(ty.clone()));
+        }
+    }
+    let condition = expr::check_expr(cx, &of.condition);
+    statement::expect_type(cx, condition, &Ty::Bool, &Wanted::Here);
+    cx.bound.truncate(before);
+    match &mut cx.claim {
+        Some(claim) => claim.0 = claim.0.or(Some(span)),
+        None => not_executable(
+            cx,
+            "a quantifier",
+            "it ranges over more values than can be tested",
+            span,
+        ),
+    }
+    cx.add(Kind::Outside, Ty::Bool, span)
+}
+
+/// Reports a quantifier over arrays, sets or maps.
+fn check_quantifiable(cx: &mut Body<'_, '_>, ty: &Ty, written: &ast::Type) {
+    let has_elements = matches!(ty, Ty::Array(..)) || is_foreign(ty, &["set<", "map<"]);
+    if has_elements {
+        let message = format!("cannot quantify over `{ty}`");
+        let finding = Finding::new(Code::RPI2014, message)
+            .at(written.span, "not a quantifiable type")
+            .help("quantify over an index: `forall (i: int) a[i] > 0`");
+        report::report_diagnostic(cx, finding);
+    }
+}
+
+/// Reports a construct of Kind 2 that is checked but not executed.
+pub(crate) fn not_executable(cx: &mut Body<'_, '_>, what: &str, why: &str, span: Span) {
+    let message = format!("{what} cannot be executed");
+    report::report_diagnostic(cx, Finding::new(Code::RPI0017, message).at(span, why));
+}
+
+/// Checks `subtype { x: T | c }` and returns `T`; the condition is for provers.
+pub(crate) fn refinement_type<'a>(cx: &mut Body<'_, 'a>, refined: &'a Refined) -> Ty {
+    let base = types::resolve_type(cx, &refined.base);
+    let in_quantifier = cx.fixed_before.is_some() || check_in_quantifier(cx);
+    let means = match in_quantifier {
+        true => Means::Any(base.clone()),
+        false => Means::Value(base.clone()),
+    };
+    bindings::with_binding(cx, &refined.name, means, |body| {
+        let condition = expr::check_expr(body, &refined.condition);
+        statement::expect_type(body, condition, &Ty::Bool, &Wanted::Here);
+    });
+    base
+}
+
+/// Whether a quantified variable is in scope.
+pub(crate) fn check_in_quantifier(cx: &Body<'_, '_>) -> bool {
+    cx.bound
+        .iter()
+        .any(crate::check::exprs::bindings::Bound::is_quantified)
+}
+
+/// Checks a type ascription `(x: T)`.
+pub(crate) fn ascription<'a>(cx: &mut Body<'_, 'a>, of: &'a Ascribed) -> ExprId {
+    let value = expr::check_expr(cx, &of.value);
+    let ty = types::resolve_type(cx, &of.ty);
+    statement::expect_type(
+        cx,
+        value,
+        &ty,
+        &Wanted::By(of.ty.span, "expected because of this type".into()),
+    );
+    if is_temporal_type(cx, &of.ty) && bindings::reads_binding(cx, &of.value) {
+        let finding = Finding::new(Code::RPI2014, "a quantified variable has no earlier cycles")
+            .at(of.value.span, "this depends on a quantified variable")
+            .also(
+                of.ty.span,
+                "the condition of the type refers to earlier cycles",
+            );
+        report::report_diagnostic(cx, finding);
+    }
+    value
+}
+
+/// Whether the condition of a type refers to earlier cycles.
+fn is_temporal_type(cx: &Body<'_, '_>, ty: &ast::Type) -> bool {
+    match &ty.kind {
+        TypeKind::Named(named) => {
+            let found =
+                cx.c.program
+                    .lookup_in(Space::Type, cx.module, &named.name.name);
+            matches!(found, Lookup::Found(id) if cx.c.temporal.contains(&id))
+        }
+        TypeKind::Array(array) => is_temporal_type(cx, &array.element),
+        _ => false,
+    }
+}
+
+/// Reports a call inside a quantifier if the callee has state or no known body.
+pub(crate) fn check_call_in_quantifier<'a>(
+    cx: &mut Body<'_, 'a>,
+    call: &'a Call,
+    id: crate::program::DeclId,
+    span: Span,
+) {
+    if !check_in_quantifier(cx) {
+        return;
+    }
+    let DeclKind::Node(node) = cx.c.program.decl(id).kind else {
+        return;
+    };
+    let opaque = node.kind == NodeKind::Node || matches!(node.definition, NodeDef::Extern);
+    let reads = call
+        .args
+        .iter()
+        .any(|arg| bindings::reads_binding(cx, &arg.value));
+    if opaque && (reads || cx.guarded) {
+        let message = format!(
+            "cannot call `{}` for a quantified variable",
+            call.callee.name.name
+        );
+        let finding = Finding::new(Code::RPI2014, message)
+            .at(span, "the call depends on a quantified variable")
+            .help("only functions with a known body can be called here");
+        report::report_diagnostic(cx, finding);
+    }
+}
+
+/// Checks the empty set `{}@<T>`.
+pub(crate) fn empty_set<'a>(cx: &mut Body<'_, 'a>, types: &'a [StaticArg], span: Span) -> ExprId {
+    let known: Vec<Ty> = types
+        .iter()
+        .filter_map(|ty| static_args::static_type(cx, ty))
+        .collect();
+    let ty = match &known[..] {
+        [one] => set_of(one),
+        _ => Ty::Unknown,
+    };
+    not_executable(cx, "a set", SETS, span);
+    cx.add(Kind::Outside, ty, span)
+}
+
+/// Checks the membership `x in s`.
+pub(crate) fn membership<'a>(
+    cx: &mut Body<'_, 'a>,
+    lhs: &'a Expr,
+    rhs: &'a Expr,
+    span: Span,
+) -> ExprId {
+    let (value, set) = (expr::check_expr(cx, lhs), expr::check_expr(cx, rhs));
+    let (found, of) = (cx.ty_of(value).clone(), cx.ty_of(set).clone());
+    if !of.is_unknown() && !is_foreign(&of, &["set<", "map<"]) {
+        let finding = Finding::new(
+            Code::RPI2006,
+            format!("`in` cannot take `{found}` and `{of}`"),
+        )
+        .at(rhs.span, format!("this is `{of}`"))
+        .help(
+            "compare with each value: `x = 1 or x = 2`; a range has two bounds: `x >= 1 and x <= 5`",
+        );
+        report::report_diagnostic(cx, finding);
+    }
+    cx.add(Kind::Outside, Ty::Bool, span)
+}
+
+/// Reports a nondeterministic value in a constant.
+pub(crate) fn nondeterminism_in_constant(cx: &mut Body<'_, '_>, span: Span) {
+    if cx.unit.kind == UnitKind::Constant {
+        let finding = Finding::new(Code::RPI2008, "a constant is needed here")
+            .at(span, "this may change from cycle to cycle");
+        report::report_diagnostic(cx, finding);
+    }
+}
+
+/// Reason why sets and maps are not executed.
+pub(crate) const SETS: &str =
+    "its size is unbounded, and a control core does not allocate memory at run time";
+
+/// Returns the type of the sets of an element type.
+pub(crate) fn set_of(element: &Ty) -> Ty {
+    foreign_ty(format!("set<{element}>"))
+}
+
+/// Returns a type of Kind 2 of which only the name is known.
+pub(crate) fn foreign_ty(name: String) -> Ty {
+    Ty::Struct(Rc::new(StructTy {
+        name: name.into(),
+        fields: Vec::new(),
+        defaults: Vec::new(),
+    }))
+}

@@ -1,0 +1,222 @@
+//! Operators on vectors, rotations and poses in call syntax: units and frames of their results.
+//!
+//! A vector has one unit for its three components, and one frame in which they are expressed.
+
+use crate::check::bodies::body::Body;
+use crate::check::bodies::statement;
+use crate::check::calls::prim;
+use crate::check::diagnostics::report;
+use crate::check::diagnostics::report::Wanted;
+use crate::check::signatures::static_args;
+use crate::ty::{Geometry, Ty, join};
+use crate::typed::ExprId;
+use crate::units::Dim;
+use rpi_diag::{Code, Finding, Span};
+use rpi_image::Scalar;
+use rpi_net::prim;
+use rpi_prims::PrimId;
+use rpi_syntax::ast::StaticArg;
+use std::rc::Rc;
+
+/// A spatial operator in call syntax.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(crate) enum SpatialOp {
+    /// `vector(x, y, z)`: vector of three reals with the same unit.
+    Vector,
+    /// `dot(a, b)`: scalar product; the units are multiplied.
+    Dot,
+    /// `cross(a, b)`: vector product; the units are multiplied.
+    Cross,
+    /// `norm(v)`: length of a vector, in its own unit.
+    Norm,
+    /// `inverse(p)`: the pose of `b` in `a` for the pose of `a` in `b`; likewise for rotations.
+    Inverse,
+}
+
+/// Operator, name, number of operands, and description for help texts.
+const ROWS: &[(SpatialOp, &str, usize, &str)] = &[
+    (
+        SpatialOp::Vector,
+        "vector",
+        3,
+        "`vector(x, y, z)`: three reals of one unit",
+    ),
+    (SpatialOp::Dot, "dot", 2, "`dot(a, b)`: two vectors"),
+    (SpatialOp::Cross, "cross", 2, "`cross(a, b)`: two vectors"),
+    (SpatialOp::Norm, "norm", 1, "`norm(v)`: a vector"),
+    (
+        SpatialOp::Inverse,
+        "inverse",
+        1,
+        "`inverse(p)`: a pose or a rotation",
+    ),
+];
+
+impl SpatialOp {
+    fn row(self) -> &'static (SpatialOp, &'static str, usize, &'static str) {
+        let row = ROWS.iter().find(|row| row.0 == self);
+        row.unwrap_or(&ROWS[0])
+    }
+
+    pub(crate) fn name(self) -> &'static str {
+        self.row().1
+    }
+
+    pub(crate) fn operands(self) -> usize {
+        self.row().2
+    }
+
+    pub(crate) fn form(self) -> &'static str {
+        self.row().3
+    }
+}
+
+/// Returns the dimension of the components of `Vector<<real[m/s]>>`, if it is given. Other spatial types take no
+/// static arguments.
+pub(crate) fn component_dim<'a>(
+    cx: &mut Body<'_, 'a>,
+    scalar: Scalar,
+    statics: &'a [StaticArg],
+) -> Option<Dim> {
+    let [of, more @ ..] = statics else {
+        return None;
+    };
+    let ty = static_args::static_type(cx, of)?;
+    match (scalar, ty, more) {
+        (Scalar::Vector, Ty::Real(dim), []) => return Some(dim),
+        (_, Ty::Unknown, _) => return None,
+        _ => {}
+    }
+    let message = match scalar {
+        Scalar::Vector => "the components of a vector must be reals".to_owned(),
+        _ => format!("`{scalar}` has no static arguments"),
+    };
+    let finding = Finding::new(Code::RPI1010, message)
+        .at(of.span, "invalid static argument")
+        .help("write a velocity vector as `Vector<<real[m/s]>>`");
+    report::report_diagnostic(cx, finding);
+    None
+}
+
+/// Checks a spatial operator; the caller has checked the number of operands.
+pub(crate) fn spatial_op(
+    cx: &mut Body<'_, '_>,
+    op: SpatialOp,
+    operands: &[ExprId],
+    span: Span,
+) -> ExprId {
+    match op {
+        SpatialOp::Vector => vector_op(cx, operands, span),
+        SpatialOp::Inverse => inverse(cx, operands[0], span),
+        SpatialOp::Norm => match common_vector_geometry(cx, operands) {
+            Some(of) => {
+                let ty = Ty::Real(of.dim.unwrap_or(Dim::ONE));
+                prim::add_prim(cx, prim!("Rpi::VectorNorm"), operands, ty, span)
+            }
+            None => cx.fault(span),
+        },
+        SpatialOp::Dot => vector_product(cx, prim!("World::VectorDot"), operands, span),
+        SpatialOp::Cross => vector_product(cx, prim!("World::VectorCross"), operands, span),
+    }
+}
+
+fn vector_op(cx: &mut Body<'_, '_>, parts: &[ExprId], span: Span) -> ExprId {
+    let Ty::Real(dim) = *cx.ty_of(parts[0]) else {
+        statement::expect_type(cx, parts[0], &Ty::REAL, &Wanted::Here);
+        return cx.fault(span);
+    };
+    let fits: Vec<bool> = parts[1..]
+        .iter()
+        .map(|part| statement::expect_type(cx, *part, &Ty::Real(dim), &Wanted::Here))
+        .collect();
+    if fits.contains(&false) {
+        return cx.fault(span);
+    }
+    let geometry = Geometry {
+        dim: Some(dim),
+        ..Geometry::default()
+    };
+    let ty = Ty::Spatial(Scalar::Vector, Rc::new(geometry));
+    prim::add_prim(cx, prim!("World::VectorFromXYZ"), parts, ty, span)
+}
+
+/// Checks the inverse: `(b in a)` for `(a in b)`.
+fn inverse(cx: &mut Body<'_, '_>, operand: ExprId, span: Span) -> ExprId {
+    let (prim, scalar, geometry) = match cx.ty_of(operand).clone() {
+        Ty::Spatial(Scalar::Pose, of) => (prim!("World::FrameInvert"), Scalar::Pose, of),
+        Ty::Spatial(Scalar::Rotation, of) => (prim!("World::RotationInvert"), Scalar::Rotation, of),
+        Ty::Unknown => return cx.fault(span),
+        ty => {
+            let finding = Finding::new(Code::RPI2006, format!("`inverse` cannot take `{ty}`"))
+                .at(cx.span_of(operand), format!("this is `{ty}`"))
+                .help("only poses and rotations have an inverse");
+            return cx.fault_with(finding, span);
+        }
+    };
+    let turned = Geometry {
+        dim: None,
+        of: geometry.in_frame.clone(),
+        in_frame: geometry.of.clone(),
+    };
+    prim::add_prim(
+        cx,
+        prim,
+        &[operand],
+        Ty::Spatial(scalar, Rc::new(turned)),
+        span,
+    )
+}
+
+/// Checks a product of two vectors: their units are multiplied, and both must be in the same frame.
+fn vector_product(cx: &mut Body<'_, '_>, prim: PrimId, operands: &[ExprId], span: Span) -> ExprId {
+    let dims = operands.iter().map(|id| match cx.ty_of(*id) {
+        Ty::Spatial(_, geometry) => geometry.dim,
+        _ => None,
+    });
+    let dims: Vec<Option<Dim>> = dims.collect();
+    let Some(common) = common_vector_geometry(cx, operands) else {
+        return cx.fault(span);
+    };
+    let dim = match dims[..] {
+        [Some(a), Some(b)] => a.times(b),
+        _ => None,
+    };
+    let ty = match prim == prim!("World::VectorDot") {
+        true => Ty::Real(dim.unwrap_or(Dim::ONE)),
+        false => Ty::Spatial(Scalar::Vector, Rc::new(Geometry { dim, ..common })),
+    };
+    prim::add_prim(cx, prim, operands, ty, span)
+}
+
+/// Returns the common geometry of vectors in one frame; reports a mismatch.
+fn common_vector_geometry(cx: &mut Body<'_, '_>, operands: &[ExprId]) -> Option<Geometry> {
+    let mut common = Ty::spatial(Scalar::Vector);
+    for operand in operands {
+        let found = cx.ty_of(*operand).clone();
+        if found.is_unknown() {
+            return None;
+        }
+        // Only the frames must be equal; the units may differ.
+        let frames_only = match (&found, operands.len()) {
+            (Ty::Spatial(Scalar::Vector, of), 2..) => {
+                let geometry = Geometry {
+                    dim: None,
+                    ..(**of).clone()
+                };
+                Ty::Spatial(Scalar::Vector, Rc::new(geometry))
+            }
+            _ => found,
+        };
+        match join(&common, &frames_only) {
+            Ok(joined) => common = joined,
+            Err(misfit) => {
+                report::type_mismatch(cx, *operand, &common, &misfit, &Wanted::Here);
+                return None;
+            }
+        }
+    }
+    match common {
+        Ty::Spatial(_, geometry) => Some((*geometry).clone()),
+        _ => None,
+    }
+}

@@ -1,0 +1,264 @@
+//! Parts of spatial values: read by name, construction (`Pose{position = p; rotation = r}`) and replacement
+//! (`Pose{p with position = q}`, `(p with .position.z = 0[m])`).
+
+use crate::check::bodies::body::Body;
+use crate::check::bodies::statement;
+use crate::check::calls::prim;
+use crate::check::diagnostics::report;
+use crate::check::diagnostics::report::Wanted;
+use crate::check::diagnostics::report::listed;
+use crate::check::diagnostics::report::no_member;
+use crate::check::exprs::expr;
+use crate::check::exprs::spatial_ops;
+use crate::check::types;
+use crate::ty::{Geometry, Ty, join};
+use crate::typed::{ExprId, Kind};
+use crate::units::{Base, Dim};
+use rpi_diag::{Code, Finding, Fix, Span};
+use rpi_image::Scalar;
+use rpi_syntax::ast::{FieldValue, Ident, StructExpr};
+use std::rc::Rc;
+
+/// Parts of spatial values: type, name, primitive that decomposes the value, index of the out-port.
+pub(crate) const SPATIAL_PARTS: &[(Scalar, &str, &str, u32)] = &[
+    (Scalar::Vector, "x", "World::VectorToXYZ", 0),
+    (Scalar::Vector, "y", "World::VectorToXYZ", 1),
+    (Scalar::Vector, "z", "World::VectorToXYZ", 2),
+    (Scalar::Pose, "position", "World::FrameToPosRot", 0),
+    (Scalar::Pose, "rotation", "World::FrameToPosRot", 1),
+    (Scalar::Twist, "linear", "World::TwistToVelocities", 0),
+    (Scalar::Twist, "angular", "World::TwistToVelocities", 1),
+    (Scalar::Wrench, "force", "Rpi::WrenchToParts", 0),
+    (Scalar::Wrench, "torque", "Rpi::WrenchToParts", 1),
+];
+
+/// Primitives that compose a spatial value. Their in-ports are the parts in the order of [`SPATIAL_PARTS`].
+const WHOLES: &[(Scalar, &str)] = &[
+    (Scalar::Vector, "World::VectorFromXYZ"),
+    (Scalar::Pose, "World::FrameFromPosRot"),
+    (Scalar::Twist, "World::TwistFromVelocities"),
+    (Scalar::Wrench, "Rpi::WrenchFromParts"),
+];
+
+/// Returns the names of the parts of a spatial type; a rotation has none.
+fn names_of(scalar: Scalar) -> impl Iterator<Item = &'static str> {
+    let rows = SPATIAL_PARTS.iter().filter(move |row| row.0 == scalar);
+    rows.map(|row| row.1)
+}
+
+/// Checks a read of a part of a spatial value.
+pub(crate) fn spatial_part(
+    cx: &mut Body<'_, '_>,
+    base: ExprId,
+    field: &Ident,
+    span: Span,
+) -> ExprId {
+    let Ty::Spatial(scalar, geometry) = cx.ty_of(base).clone() else {
+        return cx.fault(span);
+    };
+    let named = |row: &&(Scalar, &str, &str, u32)| row.0 == scalar && field.name == row.1;
+    let Some((_, _, prim, port)) = SPATIAL_PARTS.iter().find(named) else {
+        return cx.fault_with(no_part(scalar, field, Use::Path), span);
+    };
+    let base = prim::prim_by_position(cx, prim, &[base], span);
+    let ty = part_type(scalar, &geometry, &field.name);
+    cx.add(Kind::Part { base, at: *port }, ty, span)
+}
+
+/// Returns the spatial type of a struct expression, unless a declaration has its name.
+pub(crate) fn spatial_struct_type(cx: &Body<'_, '_>, value: &StructExpr) -> Option<Scalar> {
+    let is_it = |row: &&(Scalar, &str)| row.0.name() == value.ty.name.as_str();
+    let (scalar, _) = WHOLES.iter().find(is_it)?;
+    types::is_undeclared_type(cx, &value.ty.name).then_some(*scalar)
+}
+
+/// Checks `Pose{position = p; rotation = r}` or `Pose{p with rotation = r}`.
+pub(crate) fn spatial_value<'a>(
+    cx: &mut Body<'_, 'a>,
+    scalar: Scalar,
+    value: &'a StructExpr,
+    span: Span,
+) -> ExprId {
+    let dim = spatial_ops::component_dim(cx, scalar, &value.statics);
+    let wanted = Ty::Spatial(
+        scalar,
+        Rc::new(Geometry {
+            dim,
+            ..Geometry::default()
+        }),
+    );
+    let base = value.base.as_ref().map(|base| expr::check_expr(cx, base));
+    let given: Vec<(&FieldValue, ExprId)> = value
+        .fields
+        .iter()
+        .map(|field| (field, expr::check_expr(cx, &field.value)))
+        .collect();
+    if base.is_some_and(|base| !statement::expect_type(cx, base, &wanted, &Wanted::Here)) {
+        return cx.fault(span);
+    }
+    let known = base.map_or(wanted, |base| cx.ty_of(base).clone());
+    let Some(parts) = given_parts(cx, scalar, &given, base, span) else {
+        return cx.add(Kind::Fault, known, span);
+    };
+    compose_spatial(cx, &known, &parts, span)
+}
+
+/// Returns the parts in their order, those that are not given from the base. Reports missing and unknown parts.
+fn given_parts(
+    cx: &mut Body<'_, '_>,
+    scalar: Scalar,
+    given: &[(&FieldValue, ExprId)],
+    base: Option<ExprId>,
+    span: Span,
+) -> Option<Vec<ExprId>> {
+    let before = cx.findings.len();
+    let mut left_out = Vec::new();
+    let mut parts = Vec::new();
+    for name in names_of(scalar) {
+        let mut named = given.iter().filter(|(field, _)| field.field.name == name);
+        let part = named.next().map(|(_, id)| *id);
+        if let (Some(first), Some((again, _))) = (part, named.next()) {
+            let first = cx.span_of(first);
+            let finding = crate::program::twice(&again.field.name, again.field.span, first);
+            report::report_diagnostic(cx, finding);
+        }
+        match (part, base) {
+            (Some(part), _) => parts.push(part),
+            (None, Some(base)) => parts.push(base_part(cx, base, name, span)),
+            (None, None) => left_out.push(name),
+        }
+    }
+    for (field, _) in given {
+        if names_of(scalar).all(|name| field.field.name != name) {
+            report::report_diagnostic(cx, no_part(scalar, &field.field, Use::Literal));
+        }
+    }
+    if !left_out.is_empty() && !report::has_error_since(cx, before) {
+        let message = format!("missing {} of `{scalar}`", listed(left_out));
+        report::report_diagnostic(
+            cx,
+            Finding::new(Code::RPI1010, message).at(span, "all parts are required"),
+        );
+    }
+    (!report::has_error_since(cx, before)).then_some(parts)
+}
+
+fn base_part(cx: &mut Body<'_, '_>, base: ExprId, name: &str, span: Span) -> ExprId {
+    let name = name.into();
+    spatial_part(cx, base, &Ident { name, span }, span)
+}
+
+/// Composes a spatial value of partly known type from all its parts. Units and frames of the parts must be
+/// compatible; they complete the type of the whole.
+fn compose_spatial(cx: &mut Body<'_, '_>, known: &Ty, parts: &[ExprId], span: Span) -> ExprId {
+    let Ty::Spatial(scalar, geometry) = known else {
+        return cx.fault(span);
+    };
+    let mut geometry = (**geometry).clone();
+    let mut wanted = Wanted::Here;
+    for (part, name) in parts.iter().zip(names_of(*scalar)) {
+        // The first component decides the unit of the others.
+        if let (Ty::Real(dim), None) = (cx.ty_of(*part), geometry.dim) {
+            geometry.dim = Some(*dim);
+        }
+        let expected = part_type(*scalar, &Rc::new(geometry.clone()), name);
+        if !statement::expect_type(cx, *part, &expected, &wanted) {
+            return cx.add(Kind::Fault, known.clone(), span);
+        }
+        wanted = Wanted::By(cx.span_of(*part), format!("this is `{}`", cx.ty_of(*part)));
+        if let Ok(Ty::Spatial(_, of)) = join(&expected, cx.ty_of(*part)) {
+            geometry.of = geometry.of.or_else(|| of.of.clone());
+            geometry.in_frame = geometry.in_frame.or_else(|| of.in_frame.clone());
+        }
+    }
+    let whole = WHOLES.iter().find(|row| row.0 == *scalar);
+    let whole = whole.and_then(|row| rpi_prims::PrimId::of(row.1));
+    match whole {
+        Some(prim) => {
+            let ty = Ty::Spatial(*scalar, Rc::new(geometry));
+            prim::add_prim(cx, prim, parts, ty, span)
+        }
+        None => cx.fault(span),
+    }
+}
+
+/// Replaces the part `field` of a spatial value, which must have this part.
+pub(crate) fn replace_part(
+    cx: &mut Body<'_, '_>,
+    base: ExprId,
+    field: &Ident,
+    new: ExprId,
+    span: Span,
+) -> ExprId {
+    let known = cx.ty_of(base).clone();
+    let Ty::Spatial(scalar, _) = known else {
+        return cx.fault(span);
+    };
+    let mut parts = Vec::new();
+    for name in names_of(scalar) {
+        parts.push(match field.name == name {
+            true => new,
+            false => base_part(cx, base, name, span),
+        });
+    }
+    compose_spatial(cx, &known, &parts, span)
+}
+
+/// Syntax in which a part is named.
+#[derive(Clone, Copy, PartialEq)]
+enum Use {
+    /// Path: `p.x`, `(p with .x = ..)`.
+    Path,
+    /// Literal: `Pose{x = ..}`.
+    Literal,
+}
+
+/// Returns the diagnostic for a part that a spatial type does not have.
+fn no_part(scalar: Scalar, field: &Ident, at: Use) -> Finding {
+    let near = rpi_diag::suggest(&field.name, names_of(scalar));
+    let unlike = near.is_none();
+    let finding = no_member(&format!("a `{scalar}`"), &field.name, field.span, near);
+    match (scalar, field.name.as_str(), at) {
+        (Scalar::Pose, "x" | "y" | "z", Use::Path) => {
+            let meant = format!("position.{}", field.name);
+            finding.fix(Fix::sure(format!("write `{meant}`")).replace(field.span, meant))
+        }
+        (Scalar::Pose, "x" | "y" | "z", Use::Literal) => finding.help(format!(
+            "replace a single coordinate by `(p with .position.{} = ..)`",
+            field.name
+        )),
+        (Scalar::Rotation, ..) => finding.help("a rotation has no named parts"),
+        _ if unlike => finding.help(format!("its parts are {}", listed(names_of(scalar)))),
+        _ => finding,
+    }
+}
+
+/// Returns the type of a part of a spatial value, with the unit and the frames that follow from the whole.
+fn part_type(scalar: Scalar, geometry: &Rc<Geometry>, field: &str) -> Ty {
+    let in_frame = geometry.in_frame.clone();
+    let vector = |dim| {
+        let in_frame = in_frame.clone();
+        Ty::Spatial(
+            Scalar::Vector,
+            Rc::new(Geometry {
+                dim,
+                of: None,
+                in_frame,
+            }),
+        )
+    };
+    let speed = |dim: Dim| dim.over(Dim::TIME);
+    let force = || {
+        let acceleration = Dim::LENGTH.over(Dim::TIME)?.over(Dim::TIME)?;
+        Dim::base(Base::Mass).times(acceleration)
+    };
+    match (scalar, field) {
+        (Scalar::Vector, _) => Ty::Real(geometry.dim.unwrap_or(Dim::ONE)),
+        (_, "rotation") => Ty::Spatial(Scalar::Rotation, geometry.clone()),
+        (_, "linear") => vector(speed(Dim::LENGTH)),
+        (_, "angular") => vector(speed(Dim::ANGLE)),
+        (_, "force") => vector(force()),
+        (_, "torque") => vector(force().and_then(|force| force.times(Dim::LENGTH))),
+        _ => vector(Some(Dim::LENGTH)),
+    }
+}

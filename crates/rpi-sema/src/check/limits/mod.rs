@@ -1,0 +1,4 @@
+//! Limits on nesting and size, and infinite recursion.
+
+pub(crate) mod nesting;
+pub(crate) mod recursion;

@@ -1,0 +1,124 @@
+//! Limits on nesting and program size. Each level of nested declarations costs stack, here and in later passes.
+//! Iterators and recursions expand to far more expressions than the text contains.
+
+use crate::check::Checker;
+use crate::check::bodies::body::Body;
+use crate::program::Program;
+use crate::ty::{Member, Ty};
+use crate::typed::Leaf;
+use rpi_diag::{Code, Finding, Span};
+
+/// Maximum nesting of expressions and declarations at which another declaration is still checked. The parser limits the
+/// nesting within one expression.
+const MAX_NESTING: u32 = 420;
+
+/// Maximum length of a chain of aliases.
+const MAX_NAMES: usize = 64;
+
+/// Maximum nesting of structs and arrays in a type.
+const MAX_LEVELS: u32 = 420;
+
+/// Maximum number of parts of a struct, over all levels.
+const MAX_PARTS: usize = crate::check::types::MAX_LEAVES;
+
+/// Maximum number of expressions and flows of all units, in addition to the share that grows with the source text.
+const MAX_WRITTEN_OUT: usize = 320_000;
+
+/// Number of expressions allowed for each byte of source text.
+const PER_BYTE: usize = 4;
+
+/// Number of leaves of constants that count as one expression.
+const LEAVES: usize = 4;
+
+/// Returns the maximum number of expressions and flows of all units of a program.
+pub(crate) fn most(program: &Program<'_>) -> usize {
+    MAX_WRITTEN_OUT + PER_BYTE * program.length()
+}
+
+/// Whether another element or instance may be expanded; reports the limit once if not.
+pub(crate) fn may_expand(cx: &mut Body<'_, '_>, span: Span) -> bool {
+    let may = cx.c.written_out + cx.unit.exprs.len() < cx.c.most;
+    if !may {
+        program_too_large(cx.c, span);
+    }
+    may
+}
+
+/// Whether a constant with these leaves may be stored; reports the limit once if not.
+pub(crate) fn may_store_constant(checker: &mut Checker<'_>, leaves: &[Leaf], span: Span) -> bool {
+    checker.written_out += leaves.len() / LEAVES;
+    let may = checker.written_out < checker.most;
+    if !may {
+        program_too_large(checker, span);
+    }
+    may
+}
+
+/// Reports once that the expanded program is too large.
+pub(crate) fn program_too_large(checker: &mut Checker<'_>, span: Span) {
+    if std::mem::replace(&mut checker.too_many_units, true) {
+        return;
+    }
+    let most = checker.most;
+    let message = format!("program too large: more than {most} expressions after expansion");
+    let finding = Finding::new(Code::RPI1011, message).at(span, "limit exceeded here");
+    checker.findings.push(finding.help("use smaller sizes: iterators expand to one copy per element, generic nodes to one per choice of static arguments"));
+}
+
+/// Whether a declaration that the current one needs may be checked now; reports the limit once if not.
+pub(crate) fn may_nest(checker: &mut Checker<'_>, what: &str, span: Span) -> bool {
+    check_nesting_limit(checker, checker.nesting < MAX_NESTING, what, span)
+}
+
+/// Whether another alias may be resolved; reports the limit once if not.
+pub(crate) fn may_alias(checker: &mut Checker<'_>, span: Span) -> bool {
+    check_nesting_limit(checker, checker.aliases.len() < MAX_NAMES, "node", span)
+}
+
+fn check_nesting_limit(checker: &mut Checker<'_>, may: bool, what: &str, span: Span) -> bool {
+    if !may && !std::mem::replace(&mut checker.too_deep, true) {
+        checker.findings.push(
+            Finding::new(
+                Code::RPI1011,
+                format!("the chain of declarations that this {what} depends on is too long"),
+            )
+            .at(span, "end of the chain")
+            .help("declare each name before its use, or shorten the chain"),
+        );
+    }
+    may
+}
+
+/// Runs `work` one nesting level deeper, for a declaration that another one needs.
+pub(crate) fn check_nested<'a, T>(
+    checker: &mut Checker<'a>,
+    work: impl FnOnce(&mut Checker<'a>) -> T,
+) -> T {
+    checker.nesting += 1;
+    let result = work(checker);
+    checker.nesting -= 1;
+    result
+}
+
+/// Whether a struct with these fields is within the size limits.
+pub(crate) fn is_workable(fields: &[Member]) -> bool {
+    sum(fields, MAX_LEVELS, MAX_PARTS).is_some()
+}
+
+/// Returns the number of parts of a type, itself included; `None` above `most` parts or `levels` levels. Counting stops
+/// at the limit.
+fn parts(ty: &Ty, levels: u32, most: usize) -> Option<usize> {
+    let below = levels.checked_sub(1)?;
+    let count = match ty {
+        Ty::Array(element, n) => parts(element, below, most)?.checked_mul(*n as usize)?,
+        Ty::Struct(_) | Ty::Tuple(_) => sum(ty.members(), below, most)?,
+        _ => 0,
+    };
+    Some(count + 1).filter(|count| *count <= most)
+}
+
+fn sum(members: &[Member], levels: u32, most: usize) -> Option<usize> {
+    members.iter().try_fold(0usize, |sum, member| {
+        Some(sum + parts(&member.ty, levels, most - sum)?)
+    })
+}

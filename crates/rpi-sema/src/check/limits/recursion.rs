@@ -1,0 +1,135 @@
+//! Infinite recursion: calls are inlined, so that a dependency cycle of calls never ends.
+//!
+//! A recursion over static parameters has a unit for each choice of static arguments, and so no dependency cycle of
+//! units.
+
+use crate::typed::{Kind, Unit, UnitId, UnitKind};
+use rpi_diag::{Code, Finding, Span};
+
+/// A call from one unit to another, or a step of a task.
+#[derive(Clone, Copy)]
+struct Step {
+    to: UnitId,
+    span: Span,
+}
+
+/// Returns a diagnostic for each unit that calls itself, and for each dependency cycle of calls.
+pub(crate) fn check(units: &[Unit]) -> Vec<Finding> {
+    let calls: Vec<Vec<Step>> = units.iter().map(steps).collect();
+    let mut findings = Vec::new();
+    let mut told = vec![false; units.len()];
+    for start in leftovers(&calls) {
+        if told[start] {
+            continue;
+        }
+        let ring = ring_through(&calls, start);
+        for step in &ring {
+            told[step.to.0 as usize] = true;
+        }
+        if !ring.is_empty() {
+            findings.push(finding(units, start, &ring));
+        }
+    }
+    findings
+}
+
+fn steps(unit: &Unit) -> Vec<Step> {
+    let calls = unit.exprs.iter().filter_map(|expr| match &expr.kind {
+        Kind::Call(call) => Some(Step {
+            to: call.unit,
+            span: expr.span,
+        }),
+        _ => None,
+    });
+    let run = unit.steps.iter().map(|step| Step {
+        to: step.unit,
+        span: step.span,
+    });
+    calls.chain(run).collect()
+}
+
+/// Returns the units on dependency cycles of calls and those that lead to one: units without calls to remaining units
+/// are removed repeatedly, as in Kahn's topological sort.
+fn leftovers(calls: &[Vec<Step>]) -> Vec<usize> {
+    let mut open: Vec<usize> = calls.iter().map(Vec::len).collect();
+    let mut callers: Vec<Vec<usize>> = vec![Vec::new(); calls.len()];
+    for (from, steps) in calls.iter().enumerate() {
+        steps
+            .iter()
+            .for_each(|step| callers[step.to.0 as usize].push(from));
+    }
+    let mut done: Vec<usize> = (0..calls.len()).filter(|unit| open[*unit] == 0).collect();
+    while let Some(unit) = done.pop() {
+        for caller in &callers[unit] {
+            open[*caller] -= 1;
+            if open[*caller] == 0 {
+                done.push(*caller);
+            }
+        }
+    }
+    (0..calls.len()).filter(|unit| open[*unit] > 0).collect()
+}
+
+/// Returns the shortest path of calls from a unit back to itself, by breadth-first search; empty if there is none.
+fn ring_through(calls: &[Vec<Step>], start: usize) -> Vec<Step> {
+    let mut reached: Vec<Option<(usize, Step)>> = vec![None; calls.len()];
+    let mut queue = std::collections::VecDeque::from([start]);
+    while let Some(from) = queue.pop_front() {
+        for step in &calls[from] {
+            let to = step.to.0 as usize;
+            if reached[to].is_none() {
+                reached[to] = Some((from, *step));
+                queue.push_back(to);
+            }
+        }
+        if reached[start].is_some() {
+            break;
+        }
+    }
+    let mut ring = Vec::new();
+    let mut at = start;
+    while let Some((from, step)) = reached[at] {
+        ring.push(step);
+        at = from;
+        if at == start {
+            break;
+        }
+    }
+    ring.reverse();
+    ring
+}
+
+const CALLS: &str = "calls are inlined: use `pre` to iterate over cycles, or a recursion over static parameters that ends by `with` to iterate over sizes";
+
+const TASKS: &str = "tasks are inlined: use `repeat let ... tel` to repeat steps without end, or `on r then step` to go back to a step";
+
+/// Maximum number of calls shown in a diagnostic.
+const SHOWN: usize = 20;
+
+fn finding(units: &[Unit], start: usize, ring: &[Step]) -> Finding {
+    let name = |step: &Step| units[step.to.0 as usize].name.clone();
+    let first = units[start].name.clone();
+    let message = match ring {
+        [_] => format!("`{first}` calls itself"),
+        _ => {
+            let way: Vec<String> = ring
+                .iter()
+                .take(SHOWN)
+                .map(|step| format!("`{}`", name(step)))
+                .collect();
+            format!("`{first}` calls itself: `{first}` -> {}", way.join(" -> "))
+        }
+    };
+    let mut finding = Finding::new(Code::RPI1011, message).help(match units[start].kind {
+        UnitKind::Task => TASKS,
+        _ => CALLS,
+    });
+    for (k, step) in ring.iter().take(SHOWN).enumerate() {
+        let text = format!("`{}` is called here", name(step));
+        finding = match k {
+            0 => finding.at(step.span, text),
+            _ => finding.also(step.span, text),
+        };
+    }
+    finding
+}

@@ -1,0 +1,206 @@
+//! Imports of contracts, and `::c::m`, whether a mode of an imported contract applies.
+//!
+//! Each import is a separate instance that only makes claims: the out-ports of the contract are in-ports of the
+//! instance. Its outputs are the conditions of its modes.
+
+use crate::check::bodies::body::Body;
+use crate::check::bodies::locals;
+use crate::check::diagnostics::report::unknown;
+use crate::check::exprs::expr;
+use crate::check::signatures::unit;
+use crate::ty::Ty;
+use crate::typed::{BlockId, Equation, ExprId, FlowRole, Kind, Optional, Place, Target};
+use rpi_diag::Span;
+use rpi_syntax::ast::{self, Contract, ContractImport, Ident};
+
+/// Maximum number of modes that a contract passes on from its imports.
+const MAX_MODES: usize = 1000;
+
+/// Maximum length of a path to a mode, such as `::c::d::m`. Every contract passes on all paths that start at it, so
+/// that their number can grow exponentially.
+const MAX_PATH: usize = 16;
+
+/// Import of a contract.
+#[derive(Clone, Copy)]
+pub(crate) struct Import<'a> {
+    text: &'a ContractImport,
+    /// Block of the importing contract.
+    by: BlockId,
+    /// Call of the instance; `None` until it is first needed.
+    call: Option<ExprId>,
+}
+
+impl Import<'_> {
+    /// Returns the name of the imported contract.
+    fn name(&self) -> Option<&Ident> {
+        match &self.text.call.kind {
+            ast::ExprKind::Call(call) => Some(&call.callee.name),
+            _ => None,
+        }
+    }
+}
+
+/// Records the imports of a contract; the current block must be that of the contract.
+pub(crate) fn declare_imports<'a>(cx: &mut Body<'_, 'a>, contract: &'a Contract) {
+    let by = cx.block;
+    let imports = contract.imports.iter();
+    cx.imports.extend(imports.map(|text| Import {
+        text,
+        by,
+        call: None,
+    }));
+}
+
+/// Checks the imports of a contract and returns their arguments.
+pub(crate) fn check_imports(cx: &mut Body<'_, '_>, block: BlockId) -> Vec<ExprId> {
+    let mut given = Vec::new();
+    for at in 0..cx.imports.len() {
+        if cx.imports[at].by == block {
+            let call = import_instance(cx, at);
+            given.extend(import_args(cx, call).unwrap_or_default());
+        }
+    }
+    given
+}
+
+/// Returns the arguments of an imported contract, if the expression is the condition of one of its modes.
+pub(crate) fn imported_mode_args(cx: &Body<'_, '_>, kind: &Kind) -> Option<Vec<ExprId>> {
+    match kind {
+        Kind::Part { base, .. } => import_args(cx, *base),
+        _ => None,
+    }
+}
+
+/// Returns the arguments of an imported contract, if the expression is its instance.
+fn import_args(cx: &Body<'_, '_>, instance: ExprId) -> Option<Vec<ExprId>> {
+    let mut imports = cx.imports.iter();
+    let import = imports.find(|import| import.call == Some(instance))?;
+    let Kind::Call(call) = &cx.unit.expr(instance).kind else {
+        return None;
+    };
+    let given = call.args.iter().take(import.text.inputs);
+    Some(given.flatten().copied().collect())
+}
+
+/// Returns the instance of an imported contract; creates it on first use.
+fn import_instance(cx: &mut Body<'_, '_>, at: usize) -> ExprId {
+    let import = cx.imports[at];
+    if let Some(call) = import.call {
+        return call;
+    }
+    // The instance belongs to the importing contract, not to the claim or quantifier that first reads one of its
+    // modes.
+    let around = (cx.claim.take(), std::mem::take(&mut cx.bound));
+    let call = cx.within(import.by, |body| check_import(body, import.text));
+    (cx.claim, cx.bound) = around;
+    cx.imports[at].call = Some(call);
+    call
+}
+
+/// Checks the call of an imported contract.
+fn check_import<'a>(cx: &mut Body<'_, 'a>, import: &'a ContractImport) -> ExprId {
+    let span = import.call.span;
+    cx.importing = true;
+    let value = expr::check_expr(cx, &import.call);
+    let targets = Vec::new();
+    cx.current().equations.push(Equation {
+        targets,
+        value,
+        span,
+    });
+    if let Kind::Call(call) = &cx.unit.expr(value).kind {
+        let unit = call.unit;
+        unit::check_unit_now(cx.c, unit);
+        let callee = &cx.c.units[unit.0 as usize];
+        cx.unit.exprs[value.0 as usize].ty = callee.result().widened();
+        if callee.has_state {
+            cx.has_state(span);
+        }
+    }
+    value
+}
+
+/// Checks `::c::m`, whether a mode of an imported contract applies.
+pub(crate) fn imported_mode_condition(
+    cx: &mut Body<'_, '_>,
+    contract: &str,
+    mode: &str,
+    span: Span,
+) -> ExprId {
+    let named = |import: &Import<'_>| import.name().is_some_and(|name| name.name == *contract);
+    let Some(at) = cx.imports.iter().position(named) else {
+        let names = cx.imports.iter().filter_map(Import::name);
+        let near = rpi_diag::suggest(contract, names.map(|name| name.name.as_str()));
+        let near = near.map(|near| format!("::{near}::{mode}"));
+        let finding = unknown("imported contract", contract, span, near);
+        return cx.fault_with(finding, span);
+    };
+    let base = import_instance(cx, at);
+    let Kind::Call(call) = &cx.unit.expr(base).kind else {
+        return cx.fault(span);
+    };
+    let callee = &cx.c.units[call.unit.0 as usize];
+    let modes: Vec<_> = callee.outputs.iter().map(|id| callee.flow(*id)).collect();
+    let Some(place) = modes.iter().position(|flow| flow.name == *mode) else {
+        let near = rpi_diag::suggest(mode, modes.iter().map(|flow| flow.name.as_str()));
+        let near = near.map(|near| format!("::{contract}::{near}"));
+        let finding = unknown("mode", &format!("{contract}::{mode}"), span, near);
+        return cx.fault_with(finding, span);
+    };
+    let at = u32::try_from(place).unwrap_or(u32::MAX);
+    cx.add(Kind::Part { base, at }, Ty::Bool, span)
+}
+
+/// Declares the outputs of a declared contract: the condition of each of its modes and of those of its imports.
+pub(crate) fn declare_mode_outputs<'a>(cx: &mut Body<'_, 'a>, contract: &'a Contract) {
+    let applies = std::mem::take(&mut cx.applies);
+    let own = contract.modes.iter().map(|mode| &mode.name);
+    let own = own.zip(applies).map(|(name, value)| (name.clone(), value));
+    let own: Vec<(Ident, ExprId)> = own.collect();
+    for (name, value) in own.into_iter().chain(imported_modes(cx)) {
+        let span = name.span;
+        let never_absent = Optional::Declared(false);
+        let flow = locals::add_flow(cx, &name, Ty::Bool, never_absent, FlowRole::Output);
+        let target = Target {
+            place: Place::Flow { flow, at: 0 },
+            ty: Ty::Bool,
+            span,
+        };
+        cx.current().equations.push(Equation {
+            targets: vec![target],
+            value,
+            span,
+        });
+        cx.unit.outputs.push(flow);
+    }
+}
+
+/// Returns `D::m` for each mode of an imported contract `D`, with its condition.
+fn imported_modes(cx: &mut Body<'_, '_>) -> Vec<(Ident, ExprId)> {
+    let mut modes = Vec::new();
+    for at in 0..cx.imports.len() {
+        let Some((name, base)) = cx.imports[at].name().zip(cx.imports[at].call) else {
+            continue;
+        };
+        let Kind::Call(call) = &cx.unit.expr(base).kind else {
+            continue;
+        };
+        let callee = &cx.c.units[call.unit.0 as usize];
+        let outputs = callee.outputs.iter().map(|id| callee.flow(*id));
+        let names = (0..).zip(outputs.map(|flow| flow.name.as_str()));
+        let names = names.filter(|(_, mode)| mode.matches("::").count() < MAX_PATH);
+        let names: Vec<(u32, String)> = names
+            .map(|(at, mode)| (at, format!("{}::{mode}", name.name)))
+            .collect();
+        let span = name.span;
+        for (at, name) in names {
+            if modes.len() >= MAX_MODES {
+                return modes;
+            }
+            let value = cx.add(Kind::Part { base, at }, Ty::Bool, span);
+            let name = name.as_str().into();
+            modes.push((Ident { name, span }, value));
+        }
+    }
+    modes
+}

@@ -1,0 +1,134 @@
+//! Instances of callables and types with static parameters: their keys, and their names in messages.
+
+use crate::check::bodies::body::Body;
+use crate::check::diagnostics::report;
+use crate::check::signatures::constraint;
+use crate::check::signatures::header;
+use crate::check::signatures::header::Header;
+use crate::check::signatures::static_args::Param;
+use crate::check::signatures::static_args::Static;
+use crate::check::signatures::static_args::Statics;
+use crate::check::signatures::static_args::missing;
+use crate::program::{DeclId, Program};
+use crate::ty::{Subst, Ty};
+use crate::typed::Leaf;
+use rpi_diag::Span;
+use rpi_syntax::Name;
+use std::fmt::Write;
+use std::rc::Rc;
+
+/// Returns the key of an instance: the declaration and its static arguments.
+pub(crate) fn key(id: DeclId, statics: &Statics) -> String {
+    let mut key = format!("{}", id.0);
+    for (name, value) in statics {
+        key.push(';');
+        key.push_str(name);
+        key.push('=');
+        write_key(value, &mut key);
+    }
+    key
+}
+
+fn write_key(value: &Static, key: &mut String) {
+    match value {
+        // The mark distinguishes a type parameter from a declared type of the same name. A generic Kind 2 node is
+        // checked with such types.
+        Static::Ty(Ty::Generic(name)) => {
+            key.push('?');
+            key.push_str(name);
+        }
+        Static::Ty(ty) => key.push_str(&ty.to_string()),
+        Static::Opaque => key.push('?'),
+        Static::Callee(callable, _) => callable.write_key(key),
+        Static::Value(constant) => {
+            for leaf in &*constant.leaves {
+                let _ = write!(key, "{:x?},", leaf.cells());
+            }
+        }
+    }
+}
+
+/// Returns the name of an instance with its static arguments in the order of the parameters: `Line`, `fill<<3>>`.
+pub(crate) fn display(
+    program: &Program<'_>,
+    name: &Name,
+    params: &[Param<'_>],
+    statics: &Statics,
+) -> Name {
+    let shown = |value: &Static| match value {
+        Static::Ty(ty) => Some(ty.to_string()),
+        Static::Value(constant) => Some(written(&constant.ty, &constant.leaves)),
+        Static::Callee(callable, _) => Some(callable.name(program)),
+        Static::Opaque => None,
+    };
+    let given = params
+        .iter()
+        .filter_map(|param| statics.get(&param.name().name));
+    let shown: Vec<String> = given.filter_map(shown).collect();
+    match shown.is_empty() {
+        true => name.clone(),
+        false => format!("{name}<<{}>>", shown.join(", ")).into(),
+    }
+}
+
+/// Returns the instance of a generic callable for the types of its arguments. Parameters that cannot be inferred
+/// are reported at `told_at`, if that is given.
+pub(crate) fn resolve_instance(
+    cx: &mut Body<'_, '_>,
+    header: &Rc<Header>,
+    mut statics: Statics,
+    open: &[Name],
+    subst: &Subst,
+    (span, told_at): (Span, Option<Span>),
+) -> Option<Rc<Header>> {
+    let mut left = Vec::new();
+    for name in open {
+        match (statics.get(name), subst.types.get(name)) {
+            (Some(Static::Ty(_)), Some(ty)) if ty.has_unknown() => return None,
+            (Some(Static::Ty(_)), Some(ty)) => {
+                statics.insert(name.clone(), Static::Ty(ty.clone()));
+            }
+            (Some(Static::Opaque), _) => {}
+            _ => left.push(name.clone()),
+        }
+    }
+    if !left.is_empty() {
+        told_at
+            .into_iter()
+            .for_each(|span| report_missing(cx, header.decl, &left, span));
+        return None;
+    }
+    match open.is_empty() {
+        true => Some(header.clone()),
+        false if !constraint::check_constraints(cx, header.decl, &statics, span) => None,
+        false => header::check_header(cx.c, header.decl, Rc::new(statics)),
+    }
+}
+
+/// Reports missing static arguments.
+pub(crate) fn report_missing(cx: &mut Body<'_, '_>, id: DeclId, left: &[Name], span: Span) {
+    let decl = cx.c.program.decl(id);
+    let finding = missing(&decl.name, left, span, decl.span);
+    report::report_diagnostic(cx, finding);
+}
+
+/// Returns the source text of a value that [distinguishes instances](tells_apart).
+fn written(ty: &Ty, leaves: &[Leaf]) -> String {
+    match (ty, leaves) {
+        (Ty::Array(element, n), _) => {
+            let size = (leaves.len() / (*n).max(1) as usize).max(1);
+            let elements = leaves.chunks(size).map(|leaves| written(element, leaves));
+            format!("[{}]", elements.collect::<Vec<_>>().join(", "))
+        }
+        (Ty::Enum(known), [leaf]) => {
+            let index = leaf.as_int().and_then(|index| usize::try_from(index).ok());
+            let value = index.and_then(|index| known.values.get(index));
+            value.map_or_else(String::new, Name::to_string)
+        }
+        (_, [leaf]) => match (leaf.as_int(), leaf.as_bool()) {
+            (Some(number), _) => number.to_string(),
+            (None, truth) => truth.unwrap_or_default().to_string(),
+        },
+        _ => String::new(),
+    }
+}

@@ -1,0 +1,12 @@
+//! Signatures of callables: ports, static parameters, instances, generic declarations.
+
+pub(crate) mod alias;
+pub(crate) mod constraint;
+pub(crate) mod generic;
+pub(crate) mod header;
+pub(crate) mod imported;
+pub(crate) mod instance;
+pub(crate) mod sample_check;
+pub(crate) mod size_inference;
+pub(crate) mod static_args;
+pub(crate) mod unit;

@@ -1,0 +1,112 @@
+//! Inference of array sizes: a size without a static argument follows from the types of the arguments.
+
+use crate::check::bodies::body::Body;
+use crate::check::calls::args::Given;
+use crate::check::signatures::static_args::Param;
+use crate::check::signatures::static_args::Static;
+use crate::check::signatures::static_args::Statics;
+use crate::check::signatures::static_args::params;
+use crate::check::signatures::unit;
+use crate::check::{Checker, Constant};
+use crate::program::{DeclId, DeclKind};
+use crate::ty::Ty;
+use rpi_image::Value;
+use rpi_syntax::Name;
+use rpi_syntax::ast::{ExprKind, Ident, Signature, Type, TypeKind, VarDecl};
+
+/// Binds the size parameters without an argument that follow from the type of an argument, before defaults are
+/// added. Returns false if a size depends on an argument whose type is not known yet.
+pub(crate) fn infer_size_params<'a>(
+    cx: &mut Body<'_, 'a>,
+    id: DeclId,
+    given: &[Given<'a>],
+    statics: &mut Statics,
+) -> bool {
+    let Some(signature) = check_signature(cx.c, id).filter(|_| unit::reads_rpi_syntax(cx)) else {
+        return true;
+    };
+    let mut known = true;
+    for param in params(&signature.statics) {
+        let Param::Value(name, _) = param else {
+            continue;
+        };
+        if statics.contains_key(&name.name) || given.iter().any(|arg| is_named(arg, &name.name)) {
+            continue;
+        }
+        match infer_size(cx, signature, &name.name, given) {
+            Told::Size(size) => {
+                let constant = Constant {
+                    ty: Ty::Int,
+                    leaves: [Value::int(i64::from(size))].into(),
+                };
+                statics.insert(name.name.clone(), Static::Value(constant));
+            }
+            Told::Later => known = false,
+            Told::Nothing => {}
+        }
+    }
+    known
+}
+
+fn infer_size<'a>(
+    cx: &Body<'_, 'a>,
+    signature: &'a Signature,
+    name: &Name,
+    given: &[Given<'a>],
+) -> Told {
+    let ports = signature.inputs.iter().flatten();
+    let ports = ports.flat_map(|port: &VarDecl| port.names.iter().map(move |n| (n, &port.ty)));
+    let mut by_place = given.iter().filter(|arg| arg.name.is_none());
+    let mut told = Told::Nothing;
+    for (port, ty) in ports {
+        let named = given.iter().find(|arg| is_named(arg, &port.name));
+        let Some(arg) = named.or_else(|| by_place.next()) else {
+            continue;
+        };
+        match size_in(ty, cx.ty_of(arg.value), name) {
+            Told::Nothing => {}
+            Told::Later => told = Told::Later,
+            size @ Told::Size(_) => return size,
+        }
+    }
+    told
+}
+
+fn check_signature<'a>(checker: &Checker<'a>, id: DeclId) -> Option<&'a Signature> {
+    match checker.program.decl(id).kind {
+        DeclKind::Node(decl) => Some(&decl.signature),
+        DeclKind::Fragment(decl) => Some(&decl.signature),
+        _ => None,
+    }
+}
+
+/// Result of inferring a size from the type of an argument.
+enum Told {
+    /// The size.
+    Size(u32),
+    /// The type of the argument is not known yet.
+    Later,
+    /// The type does not determine the size.
+    Nothing,
+}
+
+fn is_named(arg: &Given<'_>, name: &Name) -> bool {
+    arg.name.is_some_and(|given: &Ident| given.name == *name)
+}
+
+/// Returns the size `n` of a port type `T^n`, `T^n^3` or `T^n?`, given the type of its argument.
+fn size_in(mut declared: &Type, mut found: &Ty, name: &Name) -> Told {
+    loop {
+        match (&declared.kind, found) {
+            (TypeKind::Optional(inner), _) => declared = inner,
+            (TypeKind::Array(array), Ty::Array(element, size)) => {
+                if matches!(&array.size.kind, ExprKind::Name(size) if size == name) {
+                    return Told::Size(*size);
+                }
+                (declared, found) = (&array.element, element);
+            }
+            (TypeKind::Array(_), Ty::Unknown) => return Told::Later,
+            _ => return Told::Nothing,
+        }
+    }
+}

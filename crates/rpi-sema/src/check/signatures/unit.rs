@@ -1,0 +1,440 @@
+//! Units are created at their first call and checked from a queue, so that nested calls cost no stack.
+
+use crate::check::Checker;
+use crate::check::bodies::assumptions;
+use crate::check::bodies::body::Body;
+use crate::check::bodies::contract;
+use crate::check::bodies::none_type;
+use crate::check::bodies::statement;
+use crate::check::calls::prim;
+use crate::check::diagnostics::report;
+use crate::check::limits::nesting;
+use crate::check::signatures::alias;
+use crate::check::signatures::header;
+use crate::check::signatures::header::Header;
+use crate::check::signatures::header::kind_of;
+use crate::check::signatures::imported;
+use crate::check::signatures::instance::key;
+use crate::check::signatures::static_args;
+use crate::check::signatures::static_args::Statics;
+use crate::check::task;
+use crate::check::types::consts;
+use crate::elab::MAX_DEPTH;
+use crate::program::{DeclId, DeclKind};
+use crate::typed::{ExprId, Kind, Unit, UnitId, UnitKind};
+use rpi_diag::{Code, Finding, Severity, Span};
+use rpi_syntax::ast::{
+    self, CommandDecl, Contract, FragmentDecl, Modifier, NodeDecl, NodeDef, NodeKind,
+};
+use std::rc::Rc;
+
+/// Maximum number of units of a program. An infinite recursion over static parameters exceeds it.
+const MAX_UNITS: usize = 20_000;
+
+/// Header and progress of a unit.
+pub(crate) struct Entry {
+    pub(crate) header: Rc<Header>,
+    /// Location of the first call.
+    called: Span,
+    /// Number of nested instances around the unit: each is created while the previous one is checked.
+    depth: u32,
+    state: Progress,
+}
+
+/// Progress of the check of a unit.
+#[derive(Clone, Copy, PartialEq, Debug)]
+enum Progress {
+    Queued,
+    Busy,
+    Done,
+}
+
+/// Returns the unit of a callable, and creates it at the first call; `None` if a limit is exceeded.
+pub(crate) fn instantiate(
+    checker: &mut Checker<'_>,
+    header: &Rc<Header>,
+    span: Span,
+) -> Option<UnitId> {
+    let key = key(header.decl, &header.statics);
+    if let Some(id) = checker.unit_ids.get(&key) {
+        return Some(*id);
+    }
+    let depth = match header.statics.is_empty() {
+        true => 0,
+        false => checker.depth + 1,
+    };
+    if checker.units.len() >= MAX_UNITS || depth as usize > MAX_DEPTH {
+        instance_limit_exceeded(checker, header, depth, span);
+        return None;
+    }
+    if checker.written_out >= checker.most {
+        nesting::program_too_large(checker, span);
+        return None;
+    }
+    let id = UnitId(u32::try_from(checker.units.len()).unwrap_or(u32::MAX));
+    checker
+        .units
+        .push(Unit::new(header.name.clone(), header.kind, header.span));
+    checker.entries.push(Entry {
+        header: header.clone(),
+        called: span,
+        depth,
+        state: Progress::Queued,
+    });
+    checker.unit_ids.insert(key, id);
+    checker.called.insert(header.decl);
+    checker.queue.push_back(id);
+    Some(id)
+}
+
+fn instance_limit_exceeded(checker: &mut Checker<'_>, header: &Header, depth: u32, span: Span) {
+    if std::mem::replace(&mut checker.too_many_units, true) {
+        return;
+    }
+    let name = &checker.program.decl(header.decl).name;
+    let message = match depth as usize > MAX_DEPTH {
+        true => format!("recursion of `{name}` is more than {MAX_DEPTH} instances deep"),
+        false => format!("`{name}` has more than {MAX_UNITS} instances"),
+    };
+    let finding = Finding::new(Code::RPI1011, message).at(span, "limit exceeded here");
+    checker
+        .findings
+        .push(finding.help("end a recursion over static parameters by `with`"));
+}
+
+/// Returns the unit of a declaration that is run on its own; `None` if it needs static arguments.
+pub(crate) fn root_unit(checker: &mut Checker<'_>, id: DeclId) -> Option<UnitId> {
+    let mut statics = Statics::new();
+    let open = static_args::add_default_statics(checker, id, &mut statics);
+    let needs_more = static_args::static_params_of(checker, id)
+        .iter()
+        .any(|param| {
+            let is_open = open.contains(&param.name().name);
+            is_open
+                && !matches!(
+                    statics.get(&param.name().name),
+                    Some(crate::check::signatures::static_args::Static::Opaque)
+                )
+        });
+    let sizes = has_open_sizes(checker, id, &open, &statics);
+    if needs_more || sizes {
+        return None;
+    }
+    let header = header::check_header(checker, id, Rc::new(statics))?;
+    let is_alias = matches!(
+        checker.program.decl(id).kind,
+        DeclKind::Node(node) if matches!(node.definition, NodeDef::Alias(_))
+    );
+    // The target of an alias is not known before it is called.
+    if is_alias && header.outputs.is_empty() {
+        return None;
+    }
+    instantiate(checker, &header, header.span)
+}
+
+/// Whether a value parameter that may determine sizes has no argument.
+fn has_open_sizes(
+    checker: &mut Checker<'_>,
+    id: DeclId,
+    open: &[rpi_syntax::Name],
+    statics: &Statics,
+) -> bool {
+    let params = static_args::static_params_of(checker, id);
+    params.iter().any(|param| match param {
+        crate::check::signatures::static_args::Param::Value(name, def)
+            if open.contains(&name.name) =>
+        {
+            crate::check::signatures::static_args::tells_apart(&static_args::static_param_type(
+                checker, id, def, statics,
+            ))
+        }
+        _ => false,
+    })
+}
+
+/// Whether a value parameter that may determine sizes has no argument, and the signature needs it.
+pub(crate) fn lacks_sizes(
+    checker: &mut Checker<'_>,
+    id: DeclId,
+    open: &[rpi_syntax::Name],
+    statics: &Statics,
+    span: Span,
+) -> bool {
+    let lacks = has_open_sizes(checker, id, open, statics);
+    let header = lacks.then(|| {
+        alias::header_with_open_statics(checker, id, Rc::new(statics.clone()), open, span)
+    });
+    header.is_some_and(|header| header.is_none())
+}
+
+/// Checks all units in the queue, and the units that they call.
+pub(crate) fn check_queued(checker: &mut Checker<'_>) {
+    while let Some(id) = checker.queue.pop_front() {
+        check_unit(checker, id);
+    }
+}
+
+/// Checks a unit and all units that it calls immediately, for a constant that needs them.
+pub(crate) fn check_unit_now(checker: &mut Checker<'_>, id: UnitId) {
+    let is_queued = |c: &Checker, id: UnitId| c.entries[id.0 as usize].state == Progress::Queued;
+    if !is_queued(checker, id)
+        || !nesting::may_nest(checker, "call", checker.units[id.0 as usize].span)
+    {
+        return;
+    }
+    // An explicit stack, so that a long chain of calls costs no call stack.
+    let mut open = vec![id];
+    while let Some(id) = open.pop() {
+        if is_queued(checker, id) {
+            nesting::check_nested(checker, |c| check_unit(c, id));
+            open.extend(calls_of(checker, id));
+        }
+    }
+}
+
+/// Whether a callable reads none of these ports. A static parameter that is never read needs no argument.
+pub(crate) fn reads_no_ports(
+    checker: &mut Checker<'_>,
+    header: &Rc<Header>,
+    ports: &[(usize, &crate::check::signatures::header::Port)],
+    span: Span,
+) -> bool {
+    let Some(id) = instantiate(checker, header, span) else {
+        return false;
+    };
+    check_unit_now(checker, id);
+    if checker.entries[id.0 as usize].state != Progress::Done {
+        return false;
+    }
+    let unit = &checker.units[id.0 as usize];
+    let flows: Vec<_> = ports.iter().map(|(place, _)| unit.inputs[*place]).collect();
+    let mut exprs = unit.exprs.iter();
+    !exprs.any(|expr| matches!(expr.kind, Kind::Flow(flow) if flows.contains(&flow)))
+}
+
+fn calls_of(checker: &Checker<'_>, id: UnitId) -> Vec<UnitId> {
+    let exprs = &checker.units[id.0 as usize].exprs;
+    let calls = exprs.iter().filter_map(|expr| match &expr.kind {
+        Kind::Call(call) => Some(call.unit),
+        _ => None,
+    });
+    calls.collect()
+}
+
+/// Whether a declaration belongs to the standard library.
+fn is_in_library(checker: &Checker<'_>, id: DeclId) -> bool {
+    let module = checker.program.module(checker.program.decl(id).module);
+    let modules = (checker.program.library.modules)();
+    modules.contains(&module.name.as_str())
+}
+
+fn check_unit(checker: &mut Checker<'_>, id: UnitId) {
+    let entry = &mut checker.entries[id.0 as usize];
+    if entry.state != Progress::Queued {
+        return;
+    }
+    entry.state = Progress::Busy;
+    let header = entry.header.clone();
+    let called = entry.called;
+    let outer = std::mem::replace(&mut checker.depth, entry.depth);
+    let mut unit = Unit::new(header.name.clone(), header.kind, header.span);
+    unit.is_lustre = checker.is_lustre(header.decl);
+    let mut body = Body::new(checker, header.decl, header.statics.clone(), unit);
+    check_decl(&mut body, header.decl);
+    none_type::infer_none_types(&mut body);
+    if called != header.span && header.is_instance() {
+        attribute_to_call(&mut body, &header, called);
+    }
+    let unit = body.leave();
+    checker.depth = outer;
+    checker.written_out += unit.exprs.len() + unit.flows.len();
+    checker.units[id.0 as usize] = unit;
+    checker.entries[id.0 as usize].state = Progress::Done;
+}
+
+/// Adds to each error in a generic callable the call for which it is checked.
+fn attribute_to_call(cx: &mut Body<'_, '_>, header: &Header, called: Span) {
+    let mut findings = std::mem::take(&mut cx.findings);
+    let is_error = |finding: &Finding| finding.severity() == Severity::Error;
+    if cx.c.faulty_generics.contains(&header.decl) {
+        findings.retain(|finding| !is_error(finding));
+    }
+    let text = format!("in `{}`, called here", header.name);
+    if is_in_library(cx.c, header.decl) {
+        // The library has no errors of its own, so the arguments of this call are the cause.
+        let first = findings.into_iter().find(is_error);
+        cx.findings
+            .extend(first.map(|first| first.because_of(called, text)));
+        return;
+    }
+    let named = |finding: Finding| match is_error(&finding) {
+        true => finding.also(called, text.clone()),
+        false => finding,
+    };
+    // An error is reported for one call only, even if its message differs for another one.
+    let told = &mut cx.c.told_of_instances;
+    let is_new = |finding: &Finding| {
+        !is_error(finding) || told.insert((header.decl, finding.code, finding.span()))
+    };
+    let findings = findings.into_iter().filter(is_new).map(named);
+    cx.findings = findings.collect();
+}
+
+fn check_decl(cx: &mut Body<'_, '_>, id: DeclId) {
+    header::declare_ports(cx, id);
+    // The header has reported the errors in the ports.
+    cx.findings.clear();
+    match cx.c.program.decl(id).kind {
+        DeclKind::Node(node) => check_node(cx, node),
+        DeclKind::Fragment(fragment) => check_fragment(cx, fragment),
+        DeclKind::Primitive(primitive) => prim::check_primitive(cx, primitive),
+        DeclKind::Command(command) => check_command(cx, command),
+        DeclKind::Test(test) => statement::check_body(cx, &test.body),
+        DeclKind::Task(task) => task::check_task(cx, task),
+        _ => {}
+    }
+}
+
+fn check_node<'a>(cx: &mut Body<'_, 'a>, node: &'a NodeDecl) {
+    check_modifier(cx, node);
+    cx.is_contract = node.kind == NodeKind::Contract;
+    match &node.definition {
+        NodeDef::Body(body) => {
+            let allowed = match node.kind {
+                NodeKind::Contract => node.signature.outputs.as_deref(),
+                _ => None,
+            };
+            let assumed = check_body_with(cx, node.contract.as_ref(), Some(body));
+            assumptions::check_assumptions(cx, &assumed, allowed.unwrap_or_default());
+            if let (NodeKind::Contract, Some(contract)) = (node.kind, &node.contract) {
+                imported::declare_mode_outputs(cx, contract);
+            }
+        }
+        NodeDef::Alias(callee) => alias::check_alias(cx, callee),
+        NodeDef::Extern => {
+            let assumed = check_body_with(cx, node.contract.as_ref(), None);
+            assumptions::check_assumptions(cx, &assumed, &[]);
+        }
+    }
+    cx.unit.has_state = cx.state_at.is_some();
+    if let (NodeKind::Function, Some(span)) = (node.kind, cx.state_at) {
+        state_in_function(cx, span);
+    }
+}
+
+/// Reports a modifier that contradicts its declaration: a missing body or contract, or a body of an external
+/// declaration.
+fn check_modifier(cx: &mut Body<'_, '_>, node: &NodeDecl) {
+    let has_body = matches!(node.definition, NodeDef::Body(_));
+    if has_body && let Some(outside) = node.outside.word() {
+        let name = &node.signature.name;
+        let message = format!("`{}` is external but has a body", name.name);
+        let finding = Finding::new(Code::RPI1014, message);
+        let finding = finding.at(name.span, format!("declared as `{outside}`"));
+        report::report_diagnostic(cx, finding.help(format!("remove `{outside}` or the body")));
+    }
+    let lacks = match node.modifier {
+        Modifier::Opaque if node.contract.is_none() => "a contract, which is all that callers see",
+        Modifier::Transparent if !has_body => "a body, which callers see",
+        _ => return,
+    };
+    let message = format!("`{}` lacks {lacks}", node.signature.name.name);
+    report::report_diagnostic(
+        cx,
+        Finding::new(Code::RPI1014, message).at(node.signature.name.span, "declared here"),
+    );
+}
+
+fn state_in_function(cx: &mut Body<'_, '_>, span: Span) {
+    let name = &cx.unit.name;
+    let finding = match called_at(cx, span) {
+        Some((kind, node)) => {
+            let message = format!("the function `{name}` calls the {kind} `{node}`");
+            Finding::new(Code::RPI3005, message)
+                .at(span, format!("a {kind} may have state"))
+                .help(format!("a function depends on its arguments alone: declare `{node}` as a `function`, too, or `{name}` as a `node`"))
+        }
+        None => Finding::new(Code::RPI3005, format!("the function `{name}` has state"))
+            .at(span, "this remembers earlier cycles")
+            .help("a function depends on its arguments alone; declare a `node`"),
+    };
+    report::report_diagnostic(
+        cx,
+        finding.also(cx.unit.span, "declared as a function here"),
+    );
+}
+
+/// Returns the kind and the name of the node or fragment that is called at a location.
+fn called_at(cx: &Body<'_, '_>, span: Span) -> Option<(&'static str, rpi_syntax::Name)> {
+    let mut here = cx.unit.exprs.iter().filter(|expr| expr.span == span);
+    here.find_map(|expr| match &expr.kind {
+        Kind::Call(call) => {
+            let header = &cx.c.entries[call.unit.0 as usize].header;
+            let kind = match header.kind {
+                UnitKind::Node => "node",
+                UnitKind::Fragment => "fragment",
+                _ => return None,
+            };
+            Some((kind, header.name.clone()))
+        }
+        _ => None,
+    })
+}
+
+fn check_fragment<'a>(cx: &mut Body<'_, 'a>, fragment: &'a FragmentDecl) {
+    if let Some(when) = &fragment.when {
+        let condition =
+            statement::check_condition(cx, &when.condition, "the activation of a fragment");
+        cx.current().when = Some(condition);
+        cx.current().restart = when.restart;
+    }
+    if let Some(budget) = &fragment.budget {
+        cx.current().budget_ns = consts::const_nanoseconds(cx, budget);
+    }
+    let assumed = check_body_with(cx, fragment.contract.as_ref(), Some(&fragment.body));
+    assumptions::check_assumptions(cx, &assumed, &[]);
+}
+
+fn check_command<'a>(cx: &mut Body<'_, 'a>, command: &'a CommandDecl) {
+    if let Some(budget) = &command.budget {
+        cx.current().budget_ns = consts::const_nanoseconds(cx, budget);
+    }
+    let assumed = check_body_with(cx, command.contract.as_ref(), Some(&command.body));
+    assumptions::check_assumptions(cx, &assumed, &[]);
+}
+
+/// Checks a body and its contract; returns the assumptions of the contract. In Lustre the contract is checked
+/// first, because it does not see the names of the body.
+fn check_body_with<'a>(
+    cx: &mut Body<'_, 'a>,
+    contract: Option<&'a Contract>,
+    body: Option<&'a ast::Body>,
+) -> Vec<ExprId> {
+    let contract = contract.map(|contract| (contract::declare_contract(cx, contract), contract));
+    let (before, after) = match reads_rpi_syntax(cx) {
+        true => (None, contract),
+        false => (contract, None),
+    };
+    let mut assumed = Vec::new();
+    if let Some((block, contract)) = before {
+        assumed.extend(assumptions::check_contract_assumptions(cx, block, contract));
+    }
+    match body {
+        Some(body) => statement::check_body(cx, body),
+        None => statement::check_equations(cx),
+    }
+    if let Some((block, contract)) = after {
+        assumed.extend(assumptions::check_contract_assumptions(cx, block, contract));
+    }
+    assumed
+}
+
+/// Whether the file is RPI text, not Lustre.
+pub(crate) fn reads_rpi_syntax(cx: &Body<'_, '_>) -> bool {
+    cx.mode == rpi_syntax::Mode::Rpi
+}
+
+/// Whether a declaration can be called.
+pub(crate) fn is_callable(kind: DeclKind<'_>) -> bool {
+    kind_of(kind).is_some_and(|kind| !kind.is_root())
+}

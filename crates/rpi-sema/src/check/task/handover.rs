@@ -1,0 +1,196 @@
+//! Values that a command takes over (`given`). Each command that may run before it must export them under the same
+//! names (M7.3).
+
+use crate::check::bodies::body::Body;
+use crate::check::diagnostics::report;
+use crate::check::signatures::unit;
+use crate::check::task::{Labels, Then};
+use crate::program::DeclKind;
+use crate::ty::{Misfit, Subst, Ty, fit};
+use crate::typed::{BlockId, FlowId, FlowRole, Handed, UnitId, UnitKind};
+use rpi_diag::{Code, Finding, Span};
+use rpi_syntax::Name;
+use rpi_syntax::ast::{Next, Run};
+
+/// Steps that may run before a step.
+pub(in crate::check::task) enum Before<'a> {
+    /// None: the step may be the first one.
+    Nothing,
+    /// This step.
+    Run(&'a Run),
+    /// Parallel branches, each with the steps that it can end with. A value comes from the first branch that provides
+    /// it at each of its ends.
+    Strands(Vec<Vec<&'a Run>>),
+}
+
+/// A step, and the steps that may run before it.
+pub(in crate::check::task) type Follows<'a> = (Before<'a>, &'a Run);
+
+/// Returns the steps that may directly follow a step.
+pub(in crate::check::task) fn followers<'a>(
+    run: &'a Run,
+    next: &Then<'a>,
+    labels: &Labels<'a>,
+) -> Vec<Follows<'a>> {
+    let by_branch = run.branches.iter().filter_map(|branch| match &branch.then {
+        Next::Step(label) => {
+            let mut known = labels.iter().rev();
+            known.find(|(known, _)| known.name == label.name)
+        }
+        Next::End(_) => None,
+    });
+    let is_followed = run.branches.is_empty() && !next.joins;
+    let in_turn = next.runs.iter().filter(|_| is_followed).copied();
+    let all = by_branch.map(|(_, run)| *run).chain(in_turn);
+    all.map(|follower| (Before::Run(run), follower)).collect()
+}
+
+/// An input without a default that a command takes over.
+struct Taken {
+    flow: FlowId,
+    name: Name,
+    ty: Ty,
+    declared: Span,
+}
+
+/// Checks that the values which commands take over are provided; reports each missing value once for a step.
+/// Whether a provided value may be absent is checked later.
+pub(in crate::check::task) fn check_handover<'a>(cx: &mut Body<'_, 'a>, follows: &[Follows<'a>]) {
+    let mut told: Vec<(Span, Name)> = Vec::new();
+    for (before, run) in follows {
+        let Some(step) = task_step_of(cx, run).filter(|step| is_command_step(cx, *step)) else {
+            continue;
+        };
+        for taken in taken_over_inputs(cx, cx.unit.steps[step].unit) {
+            let key = (run.callee.span, taken.name.clone());
+            if told.contains(&key) {
+                continue;
+            }
+            match value_sources(cx, &taken, before, run) {
+                Ok(handed) => cx.unit.steps[step].handed.extend(handed),
+                Err(finding) => {
+                    report::report_diagnostic(cx, *finding);
+                    told.push(key);
+                }
+            }
+        }
+    }
+}
+
+/// Returns the sources of a value that a step takes over from the steps before it, or the diagnostic for a missing
+/// value.
+fn value_sources<'a>(
+    cx: &mut Body<'_, 'a>,
+    taken: &Taken,
+    before: &Before<'a>,
+    run: &Run,
+) -> Result<Vec<Handed>, Box<Finding>> {
+    match before {
+        Before::Nothing => Err(Box::new(
+            not_handed(taken, run)
+                .help("no command runs before it; declare it as a parameter of the command"),
+        )),
+        Before::Run(before) => sources_from_all(cx, taken, &[before], run),
+        Before::Strands(strands) => {
+            let mut wrong = None;
+            for ends in strands.iter().filter(|ends| !ends.is_empty()) {
+                match sources_from_all(cx, taken, ends, run) {
+                    Ok(handed) => return Ok(handed),
+                    Err(finding) => wrong = wrong.or(Some(finding)),
+                }
+            }
+            wrong.map_or(Ok(Vec::new()), Err)
+        }
+    }
+}
+
+/// Returns the sources of a value that each of these commands must provide. Inner tasks are skipped.
+fn sources_from_all(
+    cx: &mut Body<'_, '_>,
+    taken: &Taken,
+    before: &[&Run],
+    run: &Run,
+) -> Result<Vec<Handed>, Box<Finding>> {
+    let mut all = Vec::new();
+    for before in before {
+        if let Some(unit) = command_of(cx, before) {
+            all.push(source_from(cx, taken, (unit, before.callee.span), run)?);
+        }
+    }
+    Ok(all)
+}
+
+/// Returns the unit of the command that a step runs; `None` for a task, and before the arguments are known.
+pub(in crate::check::task) fn command_of(cx: &Body<'_, '_>, run: &Run) -> Option<UnitId> {
+    let step = task_step_of(cx, run).filter(|step| is_command_step(cx, *step))?;
+    Some(cx.unit.steps[step].unit)
+}
+
+/// Returns the index of the task step for a run; `None` before its arguments are known.
+fn task_step_of(cx: &Body<'_, '_>, run: &Run) -> Option<usize> {
+    let mut steps = cx.unit.steps.iter();
+    steps.position(|step| step.span == run.callee.span)
+}
+
+fn is_command_step(cx: &Body<'_, '_>, step: usize) -> bool {
+    let decl = cx.c.program.decl(cx.unit.steps[step].decl);
+    matches!(decl.kind, DeclKind::Command(_))
+}
+
+fn taken_over_inputs(cx: &mut Body<'_, '_>, unit: UnitId) -> Vec<Taken> {
+    unit::check_unit_now(cx.c, unit);
+    let unit = &cx.c.units[unit.0 as usize];
+    let flows = unit.inputs.iter().map(|id| (*id, unit.flow(*id)));
+    let given = flows.filter(|(_, flow)| flow.role == FlowRole::Given && flow.default.is_none());
+    given
+        .map(|(id, flow)| Taken {
+            flow: id,
+            name: flow.name.clone(),
+            ty: flow.ty.clone(),
+            declared: flow.span,
+        })
+        .collect()
+}
+
+fn source_from(
+    cx: &mut Body<'_, '_>,
+    taken: &Taken,
+    (before, span): (UnitId, Span),
+    run: &Run,
+) -> Result<Handed, Box<Finding>> {
+    let Taken { flow, name, ty, .. } = taken;
+    unit::check_unit_now(cx.c, before);
+    let unit = &cx.c.units[before.0 as usize];
+    debug_assert!(unit.kind == UnitKind::Command);
+    let mut exports = unit.block(BlockId::ROOT).exports.iter().enumerate();
+    let Some((index, export)) = exports.find(|(_, export)| export.key == name.as_str()) else {
+        let help = format!("add `export {name};` to `{}`", unit.name);
+        let finding = not_handed(taken, run).also(span, "this runs before it");
+        return Err(Box::new(finding.help(help)));
+    };
+    let found = &unit.expr(export.value).ty;
+    let [wanted, handed] = [ty, found].map(|ty| crate::check::outside_type(ty).0);
+    match fit(&wanted, &handed, &mut Subst::default()) {
+        // Frames have the names of the parameters of each command, so they may differ.
+        Ok(()) | Err(Misfit::Frame { .. }) => Ok(Handed {
+            flow: *flow,
+            by: before,
+            export: index,
+            span,
+        }),
+        Err(_) => {
+            let text = format!("this `{name}` is `{found}`, expected `{ty}`");
+            Err(Box::new(not_handed(taken, run).also(export.span, text)))
+        }
+    }
+}
+
+fn not_handed(taken: &Taken, run: &Run) -> Finding {
+    let (name, command) = (&taken.name, &run.callee.name.name);
+    Finding::new(
+        Code::RPI8004,
+        format!("`{command}` takes over `{name}`, but no predecessor provides it"),
+    )
+    .at(run.callee.span, format!("`{name}` has no value here"))
+    .also(taken.declared, "taken over from the predecessor")
+}

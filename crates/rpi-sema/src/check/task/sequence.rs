@@ -1,0 +1,57 @@
+//! First and last steps of a list of steps.
+
+use rpi_syntax::ast::{Next, Run, Step, StepKind};
+
+/// Returns the command or task that a step runs; `None` for other steps.
+pub(in crate::check::task) fn run_of(step: &Step) -> Option<&Run> {
+    match &step.kind {
+        StepKind::Run(run) => Some(run),
+        _ => None,
+    }
+}
+
+/// Returns the steps with which a list begins; several if it begins with parallel branches.
+pub(in crate::check::task) fn first_of(steps: &[Step]) -> Vec<&Run> {
+    let start = steps.iter().find_map(|step| match &step.kind {
+        StepKind::Start(label) => Some(&label.name),
+        _ => None,
+    });
+    let is_start = |run: &&Run| {
+        let label = run.label.as_ref().map(|label| &label.name);
+        label.is_some() && label == start
+    };
+    match start {
+        None => steps.first().map(entry_of).unwrap_or_default(),
+        Some(_) => {
+            let found = steps.iter().filter_map(run_of).find(is_start);
+            found.into_iter().collect()
+        }
+    }
+}
+
+/// Returns the commands or tasks that a step runs first.
+pub(in crate::check::task) fn entry_of(step: &Step) -> Vec<&Run> {
+    match &step.kind {
+        StepKind::Repeat { steps, .. } => first_of(steps),
+        StepKind::Parallel(strands) => strands.iter().flat_map(|s| first_of(&s.steps)).collect(),
+        _ => run_of(step).into_iter().collect(),
+    }
+}
+
+/// Returns the steps with which a list can end: the last one, and those with a branch to `end`.
+pub(in crate::check::task) fn lasts(steps: &[Step]) -> Vec<&Run> {
+    let ends = |run: &&Run| run.branches.iter().any(|b| matches!(b.then, Next::End(_)));
+    let mut all: Vec<&Run> = steps.iter().filter_map(run_of).filter(ends).collect();
+    match steps.last().map(|step| &step.kind) {
+        Some(StepKind::Run(run)) if run.branches.is_empty() => all.push(run),
+        Some(StepKind::Repeat {
+            count: Some(_),
+            steps,
+        }) => all.extend(lasts(steps)),
+        Some(StepKind::Parallel(strands)) => {
+            all.extend(strands.iter().flat_map(|s| lasts(&s.steps)));
+        }
+        _ => {}
+    }
+    all
+}

@@ -1,0 +1,233 @@
+//! Constants. They are evaluated by the same elaboration that builds nets: an expression is constant if it folds to
+//! values.
+
+use crate::check::bodies::body::Body;
+use crate::check::bodies::statement;
+use crate::check::diagnostics::report;
+use crate::check::diagnostics::report::Wanted;
+use crate::check::exprs::expr;
+use crate::check::limits::nesting;
+use crate::check::signatures::unit;
+use crate::check::types;
+use crate::check::types::subrange;
+use crate::check::{Checker, Constant, Lazy};
+use crate::elab::{self, NotConstant};
+use crate::program::{DeclId, DeclKind};
+use crate::ty::{Geometry, Ty};
+use crate::typed::{ExprId, Kind, Leaf, Unit, UnitId};
+use crate::units::Dim;
+use rpi_diag::{Code, Finding};
+use rpi_image::Scalar;
+use rpi_syntax::ast;
+use std::rc::Rc;
+
+/// Returns the value of a constant or of the pose of a frame; `None` after an error.
+pub(crate) fn check_constant(checker: &mut Checker<'_>, id: DeclId) -> Option<Constant> {
+    match checker.constants.get(&id) {
+        Some(Lazy::Done(constant)) => {
+            let constant = constant.clone();
+            checker.findings.extend(checker.outside.get(&id).cloned());
+            return constant;
+        }
+        Some(Lazy::Busy) => {
+            types::report_dependency_cycle(checker, "constant", id);
+            return None;
+        }
+        None => {}
+    }
+    let decl = checker.program.decl(id);
+    if !matches!(decl.kind, DeclKind::Const(_) | DeclKind::Frame(_)) {
+        return None;
+    }
+    if !nesting::may_store_constant(checker, &[], decl.span)
+        || !nesting::may_nest(checker, "constant", decl.span)
+    {
+        return None;
+    }
+    let before = checker.findings.len();
+    checker.constants.insert(id, Lazy::Busy);
+    checker.open.push(id);
+    let constant = nesting::check_nested(checker, |checker| {
+        let mut body = Body::around(checker, id);
+        let constant = match decl.kind {
+            DeclKind::Const(def) => constant_def(&mut body, def),
+            DeclKind::Frame(frame) => frame_pose(&mut body, &decl.name, frame),
+            _ => None,
+        };
+        body.leave();
+        constant
+    });
+    checker.open.pop();
+    let mut found = checker.findings[before..].iter();
+    if let Some(outside) = found.find(|finding| finding.code == Code::RPI1012) {
+        checker.outside.insert(id, outside.clone());
+    }
+    let constant = constant
+        .filter(|constant| nesting::may_store_constant(checker, &constant.leaves, decl.span));
+    checker.constants.insert(id, Lazy::Done(constant.clone()));
+    constant
+}
+
+/// Checks a Lustre constant on its own. It, or a constant that it depends on, may lack a value as long as no node
+/// needs it, so that this is only reported where it is used.
+pub(crate) fn check_lustre_constant(checker: &mut Checker<'_>, id: DeclId) {
+    let before = checker.findings.len();
+    check_constant(checker, id);
+    let found = checker.findings.split_off(before);
+    let (outside, found): (Vec<_>, Vec<_>) =
+        found.into_iter().partition(|f| f.code == Code::RPI1012);
+    checker.findings.extend(found);
+    if !outside.is_empty() {
+        checker
+            .constants
+            .retain(|_, constant| !matches!(constant, Lazy::Done(None)));
+        checker
+            .outside
+            .extend(outside.into_iter().next().map(|finding| (id, finding)));
+    }
+}
+
+/// Returns the value of a constant definition.
+pub(crate) fn constant_def<'a>(cx: &mut Body<'_, 'a>, def: &'a ast::ConstDef) -> Option<Constant> {
+    let declared = def.ty.as_ref().map(|ty| types::resolve_type(cx, ty));
+    let Some(value) = &def.value else {
+        // A definition with a syntax error has been reported.
+        let is_broken = |ty: &ast::Type| matches!(ty.kind, ast::TypeKind::Broken);
+        let is_whole = !def.ty.as_ref().is_some_and(is_broken);
+        let name = def.names.first().filter(|_| is_whole)?;
+        let finding = no_value(name, unit::reads_rpi_syntax(cx));
+        report::report_diagnostic(cx, finding);
+        let ty = declared.filter(|_| !unit::reads_rpi_syntax(cx))?;
+        let leaves = crate::check::signatures::sample_check::value(&ty)?;
+        return Some(Constant { ty, leaves });
+    };
+    let id = expr::check_expr(cx, value);
+    if let Some(declared) = &declared {
+        statement::expect_type(cx, id, declared, &Wanted::Here);
+    }
+    let leaves = fold(cx, id)?;
+    if let Some(declared) = &declared {
+        subrange::is_in_subranges(cx, &leaves, declared, cx.span_of(id));
+    }
+    let found = cx.ty_of(id).clone();
+    let ty = declared.map_or(found.clone(), |ty| {
+        crate::ty::join(&ty, &found).unwrap_or(ty)
+    });
+    Some(Constant { ty, leaves })
+}
+
+/// Returns the pose of a frame in its parent frame, if the declaration gives one.
+fn frame_pose<'a>(
+    cx: &mut Body<'_, 'a>,
+    name: &rpi_syntax::Name,
+    frame: &'a ast::FrameDecl,
+) -> Option<Constant> {
+    let in_frame = frame
+        .parent
+        .as_ref()
+        .map(|parent| types::parent_frame(cx, parent));
+    let geometry = Geometry {
+        dim: None,
+        of: Some(name.clone()),
+        in_frame: in_frame.flatten(),
+    };
+    let ty = Ty::Spatial(Scalar::Pose, Rc::new(geometry));
+    let leaves = const_value(cx, frame.pose.as_ref()?, &ty)?;
+    Some(Constant { ty, leaves })
+}
+
+/// Returns the value of a constant expression of the given type; reports an expression of another type or that is
+/// not constant.
+pub(crate) fn const_value<'a>(
+    cx: &mut Body<'_, 'a>,
+    value: &'a ast::Expr,
+    ty: &Ty,
+) -> Option<Rc<[Leaf]>> {
+    let id = expr::check_expr(cx, value);
+    if !statement::expect_type(cx, id, ty, &Wanted::Here) {
+        return None;
+    }
+    let leaves = fold(cx, id)?;
+    subrange::is_in_subranges(cx, &leaves, ty, cx.span_of(id)).then_some(leaves)
+}
+
+/// Returns the value of a constant integer expression.
+pub(crate) fn const_integer<'a>(cx: &mut Body<'_, 'a>, value: &'a ast::Expr) -> Option<i64> {
+    const_value(cx, value, &Ty::Int)?.first()?.as_int()
+}
+
+/// Returns a constant duration in nanoseconds; `None` if it is negative or above 1e18.
+pub(crate) fn const_nanoseconds<'a>(cx: &mut Body<'_, 'a>, value: &'a ast::Expr) -> Option<u64> {
+    let seconds = const_value(cx, value, &Ty::Real(Dim::TIME))?
+        .first()?
+        .as_real()?;
+    let ns = (seconds * 1e9).round();
+    (0.0..1e18).contains(&ns).then_some(ns as u64)
+}
+
+/// Returns the value of a constant expression; reports the part that is not constant.
+pub(crate) fn fold(cx: &mut Body<'_, '_>, id: ExprId) -> Option<Rc<[Leaf]>> {
+    match try_fold(cx, id) {
+        Ok(leaves) => Some(leaves),
+        Err(NotConstant::Faulty) => None,
+        Err(NotConstant::Flow(span)) => {
+            report::report_diagnostic(
+                cx,
+                Finding::new(Code::RPI2008, "a constant is needed here")
+                    .at(span, "this is only known at run time")
+                    .also(cx.span_of(id), "needed at compile time"),
+            );
+            None
+        }
+        Err(NotConstant::Fault(span, what)) => {
+            report::report_diagnostic(
+                cx,
+                Finding::new(Code::RPI2010, what).at(span, "while evaluating this constant"),
+            );
+            None
+        }
+    }
+}
+
+/// Returns the value of an expression if it is constant, without reporting an error.
+pub(crate) fn fold_silently(cx: &mut Body<'_, '_>, id: ExprId) -> Option<Rc<[Leaf]>> {
+    try_fold(cx, id).ok()
+}
+
+/// Returns the value of an expression, or why it is not constant.
+pub(crate) fn try_fold(cx: &mut Body<'_, '_>, id: ExprId) -> Result<Rc<[Leaf]>, NotConstant> {
+    match &cx.unit.expr(id).kind {
+        Kind::Literal(leaf) => return Ok([leaf.clone()].into()),
+        Kind::Const(leaves) => return Ok(leaves.clone()),
+        _ => {}
+    }
+    // Elaboration inlines calls, so that the called units must be checked first.
+    for unit in called(&cx.unit, id) {
+        unit::check_unit_now(cx.c, unit);
+    }
+    elab::constant(&cx.c.units, &cx.unit, id)
+}
+
+/// Returns the diagnostic for a constant without a value. Lustre allows such constants as external ones.
+fn no_value(name: &ast::Ident, is_rpi: bool) -> Finding {
+    let code = match is_rpi {
+        true => Code::RPI1009,
+        false => Code::RPI1012,
+    };
+    Finding::new(code, format!("the constant `{}` has no value", name.name))
+        .at(name.span, "external constants are not supported")
+        .help("add a value: `= ...`")
+}
+
+/// Returns the units that an expression calls.
+fn called(unit: &Unit, id: ExprId) -> Vec<UnitId> {
+    let mut found = Vec::new();
+    let mut parts = unit.parts(id);
+    while let Some((id, expr)) = parts.next() {
+        if let Kind::Call(call) = &expr.kind {
+            found.push(call.unit);
+        }
+        parts.enter(id);
+    }
+    found
+}

@@ -1,0 +1,401 @@
+//! Types with parameters, and datatypes: alternatives with parts, which are constructed, tested and matched.
+//!
+//! A value of a datatype is a struct: the tag of its alternative, then the parts of all alternatives. The parts of the
+//! other alternatives are 0, so that equal values have equal structs. The size is fixed, so that a datatype cannot
+//! contain itself.
+
+use crate::check::bodies::body::Body;
+use crate::check::diagnostics::report;
+use crate::check::diagnostics::report::Wanted;
+use crate::check::diagnostics::report::listed;
+use crate::check::diagnostics::report::unknown;
+use crate::check::exprs::compose;
+use crate::check::exprs::expr;
+use crate::check::exprs::ops;
+use crate::check::signatures::static_args;
+use crate::check::signatures::static_args::Param;
+use crate::check::signatures::static_args::Static;
+use crate::check::signatures::static_args::Statics;
+use crate::check::signatures::static_args::params;
+use crate::check::types;
+use crate::check::types::exact_time;
+use crate::program::{DeclId, DeclKind, Lookup, Space};
+use crate::ty::{EnumTy, Member, StructTy, Subst, Ty, fit};
+use crate::typed::{ExprId, Kind, Leaf};
+use rpi_diag::{Code, Finding, Span};
+use rpi_syntax::Name;
+use rpi_syntax::ast::{
+    Constructor, FieldValue, Ident, IsA, StaticArg, StructExpr, TypeDef, TypeKind,
+};
+use std::rc::Rc;
+
+/// Name of the member that holds the alternative of a value.
+pub(crate) const TAG: &str = "tag";
+
+/// Returns the instance of a declared type for these arguments; reports a wrong number of arguments.
+pub(crate) fn type_instance_for<'a>(
+    cx: &mut Body<'_, 'a>,
+    id: DeclId,
+    args: &'a [StaticArg],
+    span: Span,
+) -> Ty {
+    let names = type_params(cx, id);
+    if cx.c.temporal.contains(&id) {
+        cx.has_state(span);
+    }
+    if names.len() != args.len() {
+        let decl = cx.c.program.decl(id);
+        let message = format!(
+            "`{}` takes {}, found {}",
+            decl.name,
+            rpi_diag::counted(names.len(), "type argument"),
+            args.len()
+        );
+        let finding = Finding::new(Code::RPI1010, message)
+            .at(span, "wrong number of type arguments")
+            .also(decl.span, "declared here");
+        report::report_diagnostic(cx, finding);
+        return Ty::Unknown;
+    }
+    let mut statics = Statics::new();
+    for (name, arg) in names.into_iter().zip(args) {
+        let Some(ty) = static_args::static_type(cx, arg) else {
+            return Ty::Unknown;
+        };
+        statics.insert(name, Static::Ty(ty));
+    }
+    let ty = types::type_instance(cx.c, id, Rc::new(statics));
+    if cx.c.temporal.contains(&id) {
+        cx.has_state(span);
+    }
+    ty
+}
+
+/// Returns the names of the type parameters of a declared type.
+fn type_params(cx: &Body<'_, '_>, id: DeclId) -> Vec<Name> {
+    let DeclKind::Type(def) = cx.c.program.decl(id).kind else {
+        return Vec::new();
+    };
+    let params = params(&def.statics).into_iter();
+    params
+        .filter(|p| matches!(p, Param::Type(..)))
+        .map(|p| p.name().name.clone())
+        .collect()
+}
+
+/// Returns a declared type with its parameters still unknown.
+fn open_type(cx: &mut Body<'_, '_>, id: DeclId) -> Ty {
+    let names = type_params(cx, id).into_iter();
+    let statics = names.map(|name| (name.clone(), Static::Ty(Ty::Generic(name))));
+    types::type_instance(cx.c, id, Rc::new(statics.collect()))
+}
+
+/// Returns a declared type with the inferred parameters; `None` if some are not inferred.
+fn inferred_type(cx: &mut Body<'_, '_>, id: DeclId, subst: &Subst) -> Option<Ty> {
+    let mut statics = Statics::new();
+    for name in type_params(cx, id) {
+        let ty = subst.types.get(&name)?.clone();
+        statics.insert(name, Static::Ty(ty));
+    }
+    Some(types::type_instance(cx.c, id, Rc::new(statics)))
+}
+
+/// Returns the declaration of a generic struct if a literal does not give its type arguments.
+pub(crate) fn generic_struct(cx: &mut Body<'_, '_>, value: &StructExpr) -> Option<DeclId> {
+    if !value.statics.is_empty() {
+        return None;
+    }
+    let found =
+        cx.c.program
+            .lookup_in(Space::Type, cx.module, &value.ty.name);
+    let Lookup::Found(id) = found else {
+        return None;
+    };
+    (!type_params(cx, id).is_empty()).then_some(id)
+}
+
+/// Checks a literal of a generic struct and infers its type arguments from the fields.
+pub(crate) fn inferred_struct<'a>(
+    cx: &mut Body<'_, 'a>,
+    id: DeclId,
+    value: &'a StructExpr,
+    span: Span,
+) -> ExprId {
+    let Ty::Struct(open) = open_type(cx, id) else {
+        return cx.fault(span);
+    };
+    let mut subst = Subst::default();
+    let values: Vec<(&FieldValue, ExprId)> = value
+        .fields
+        .iter()
+        .map(|field| (field, expr::check_expr(cx, &field.value)))
+        .collect();
+    for (field, given) in &values {
+        let wanted = open
+            .fields
+            .iter()
+            .find(|f| f.name.as_ref() == Some(&field.field.name));
+        if let Some(wanted) = wanted {
+            exact_time::convert_time_for(cx, *given, &wanted.ty);
+        }
+        let found = cx.ty_of(*given).clone();
+        if let Some(wanted) = wanted
+            && let Err(misfit) = fit(&wanted.ty, &found, &mut subst)
+        {
+            let expected = wanted.ty.substituted(&subst);
+            report::type_mismatch(cx, *given, &expected, &misfit, &Wanted::Here);
+            return cx.fault(span);
+        }
+    }
+    match inferred_type(cx, id, &subst) {
+        Some(Ty::Struct(ty)) => {
+            let given = compose::match_fields(cx, &ty, &values);
+            let parts = given.and_then(|given| compose::fill_fields(cx, &ty, &given, None, span));
+            match parts {
+                Some(parts) => cx.add(Kind::Build(parts.into()), Ty::Struct(ty), span),
+                None => cx.add(Kind::Fault, Ty::Struct(ty), span),
+            }
+        }
+        _ => report_uninferred_params(cx, &value.ty, span),
+    }
+}
+
+/// Reports type arguments that cannot be inferred.
+fn report_uninferred_params(cx: &mut Body<'_, '_>, name: &Ident, span: Span) -> ExprId {
+    let message = format!("cannot infer the type arguments of `{}`", name.name);
+    let finding = Finding::new(Code::RPI2007, message)
+        .at(name.span, "no part of this value has these types")
+        .help(format!("give them explicitly: `{}@<int>`", name.name));
+    cx.fault_with(finding, span)
+}
+
+/// Returns the type that a `datatype` defines: an enum if no alternative has parts, else a struct.
+pub(crate) fn resolve_datatype<'a>(
+    cx: &mut Body<'_, 'a>,
+    def: &'a TypeDef,
+    name: Name,
+    all: &'a [Constructor],
+) -> Ty {
+    let values = all.iter().map(|c| c.name.name.clone()).collect();
+    let tag = Ty::Enum(Rc::new(EnumTy::new(name.clone(), values)));
+    if def.statics.is_empty() && all.iter().all(|c| c.fields.is_empty()) {
+        return tag;
+    }
+    let mut fields = vec![Member {
+        name: Some(TAG.into()),
+        ty: tag,
+    }];
+    let mut seen: Vec<&Ident> = Vec::new();
+    for constructor in all {
+        fields.extend(types::check_fields(cx, &constructor.fields));
+        for name in constructor.fields.iter().flat_map(|field| &field.names) {
+            match seen.iter().find(|first| first.name == name.name) {
+                Some(first)
+                    if constructor
+                        .fields
+                        .iter()
+                        .all(|f| !f.names.iter().any(|n| n.span == first.span)) =>
+                {
+                    let finding = crate::program::twice(&name.name, name.span, first.span);
+                    report::report_diagnostic(cx, finding);
+                }
+                Some(_) => {}
+                None => seen.push(name),
+            }
+        }
+    }
+    let defaults = vec![None; fields.len()];
+    Ty::Struct(Rc::new(StructTy {
+        name,
+        fields,
+        defaults,
+    }))
+}
+
+/// Returns the alternatives of a `datatype`; empty for any other declaration.
+fn constructors<'a>(cx: &Body<'_, 'a>, id: DeclId) -> &'a [Constructor] {
+    match cx.c.program.decl(id).kind {
+        DeclKind::Type(def) => match def.ty.as_ref().map(|ty| &ty.kind) {
+            Some(TypeKind::Data(all)) => all,
+            _ => &[],
+        },
+        _ => &[],
+    }
+}
+
+/// Whether a type is declared as a `datatype`.
+pub(crate) fn is_datatype(cx: &Body<'_, '_>, id: DeclId) -> bool {
+    !constructors(cx, id).is_empty()
+}
+
+/// Returns the index of the first field of an alternative in the struct, and the number of its fields.
+pub(crate) fn constructor_field_range(cx: &Body<'_, '_>, ty: DeclId, index: u32) -> (usize, usize) {
+    let count = |c: &Constructor| {
+        c.fields
+            .iter()
+            .map(|field| field.names.len())
+            .sum::<usize>()
+    };
+    let all = constructors(cx, ty);
+    let index = (index as usize).min(all.len());
+    let before: usize = all[..index].iter().map(count).sum();
+    (1 + before, all.get(index).map_or(0, count))
+}
+
+/// Checks the construction of a value of a datatype: `A(x, y)` or `A@<int>`.
+pub(crate) fn constructor_value<'a>(
+    cx: &mut Body<'_, 'a>,
+    (id, index): (DeclId, u32),
+    types: &'a [StaticArg],
+    values: &[ExprId],
+    span: Span,
+) -> ExprId {
+    let (from, count) = constructor_field_range(cx, id, index);
+    let name = &constructors(cx, id)[index as usize].name;
+    if count != values.len() {
+        return report_part_count(cx, name, count, values.len(), span);
+    }
+    let said = (!types.is_empty()).then(|| type_instance_for(cx, id, types, span));
+    let open = said.clone().unwrap_or_else(|| open_type(cx, id));
+    let Ty::Struct(open) = open else {
+        return cx.fault(span);
+    };
+    let mut subst = Subst::default();
+    for (field, value) in open.fields[from..].iter().zip(values) {
+        exact_time::convert_time_for(cx, *value, &field.ty);
+        let found = cx.ty_of(*value).clone();
+        if let Err(misfit) = fit(&field.ty, &found, &mut subst) {
+            let expected = field.ty.substituted(&subst);
+            report::type_mismatch(cx, *value, &expected, &misfit, &Wanted::Here);
+            return cx.fault(span);
+        }
+    }
+    let Some(Ty::Struct(ty)) = said.or_else(|| inferred_type(cx, id, &subst)) else {
+        return report_uninferred_params(cx, name, span);
+    };
+    let mut parts = Vec::with_capacity(ty.fields.len());
+    for (k, field) in ty.fields.iter().enumerate() {
+        parts.push(match k.checked_sub(from).and_then(|k| values.get(k)) {
+            Some(value) => *value,
+            None if k == 0 => cx.add(
+                Kind::Literal(Leaf::int(index.into())),
+                field.ty.clone(),
+                span,
+            ),
+            None => cx.add(Kind::Const(filling(&field.ty)), field.ty.clone(), span),
+        });
+    }
+    cx.add(Kind::Build(parts.into()), Ty::Struct(ty), span)
+}
+
+/// Reports a wrong number of parts of an alternative.
+pub(crate) fn report_part_count(
+    cx: &mut Body<'_, '_>,
+    name: &Ident,
+    count: usize,
+    given: usize,
+    span: Span,
+) -> ExprId {
+    let message = format!(
+        "`{}` takes {}, found {given}",
+        name.name,
+        rpi_diag::counted(count, "part")
+    );
+    let finding = Finding::new(Code::RPI1010, message)
+        .at(span, "wrong number of parts")
+        .also(name.span, "declared here");
+    cx.fault_with(finding, span)
+}
+
+/// Returns the alternatives of a value's type and the expression of its tag; reports a value of another type.
+pub(crate) fn alternatives(cx: &mut Body<'_, '_>, value: ExprId) -> Option<(Rc<EnumTy>, ExprId)> {
+    let span = cx.span_of(value);
+    let tag = match cx.ty_of(value).clone() {
+        Ty::Enum(all) => return Some((all, value)),
+        Ty::Struct(ty) => ty.fields.first().map(|field| field.ty.clone()),
+        _ => None,
+    };
+    if let Some(Ty::Enum(all)) = tag {
+        let tag = cx.add(
+            Kind::Part { base: value, at: 0 },
+            Ty::Enum(all.clone()),
+            span,
+        );
+        return Some((all, tag));
+    }
+    let ty = cx.ty_of(value).clone();
+    if !ty.is_unknown() {
+        let finding = Finding::new(Code::RPI2001, format!("expected a datatype, found `{ty}`"))
+            .at(span, format!("this is `{ty}`"));
+        report::report_diagnostic(cx, finding);
+    }
+    None
+}
+
+/// Adds the test of a tag for one alternative.
+pub(crate) fn tag_test(
+    cx: &mut Body<'_, '_>,
+    all: &Rc<EnumTy>,
+    tag: ExprId,
+    index: usize,
+    span: Span,
+) -> ExprId {
+    let index = cx.add(
+        Kind::Literal(Leaf::int(index as i64)),
+        Ty::Enum(all.clone()),
+        span,
+    );
+    ops::binary_prim(cx, rpi_syntax::ops::BinaryOp::Eq, tag, index, span)
+}
+
+/// Reports an unknown alternative.
+pub(crate) fn report_unknown_alternative(cx: &mut Body<'_, '_>, all: &EnumTy, name: &Ident) {
+    let near = rpi_diag::suggest(&name.name, all.values.iter().map(Name::as_str));
+    let finding = unknown("alternative", &name.name, name.span, near);
+    let names = listed(all.values.iter().map(Name::as_str));
+    report::report_diagnostic(
+        cx,
+        finding.help(format!("the alternatives of `{}` are {names}", all.name)),
+    );
+}
+
+/// Checks the test for an alternative, `A?(x)`.
+pub(crate) fn constructor_test<'a>(cx: &mut Body<'_, 'a>, of: &'a IsA, span: Span) -> ExprId {
+    let value = expr::check_expr(cx, &of.value);
+    let Some((all, tag)) = alternatives(cx, value) else {
+        return cx.add(Kind::Fault, Ty::Bool, span);
+    };
+    match all
+        .values
+        .iter()
+        .position(|name| *name == of.constructor.name)
+    {
+        Some(index) => tag_test(cx, &all, tag, index, span),
+        None => {
+            report_unknown_alternative(cx, &all, &of.constructor);
+            cx.add(Kind::Fault, Ty::Bool, span)
+        }
+    }
+}
+
+/// Returns the zero value of a type.
+fn zeros(ty: &Ty) -> Rc<[Leaf]> {
+    let mut leaves = Vec::with_capacity(ty.leaf_count());
+    ty.leaves(&mut |_, ty| {
+        leaves.push(match ty {
+            Ty::Bool => Leaf::bool(false),
+            Ty::Real(_) | Ty::Duration => Leaf::real(0.0),
+            _ => Leaf::int(0),
+        });
+    });
+    leaves.into()
+}
+
+/// Returns the value of the parts of other alternatives: zeros, or the value nearest to zero in a subrange.
+fn filling(ty: &Ty) -> Rc<[Leaf]> {
+    let mut leaves = zeros(ty).to_vec();
+    for (at, range) in ty.subranges(true) {
+        leaves[at] = Leaf::int(range.nearest(0));
+    }
+    leaves.into()
+}

@@ -1,0 +1,133 @@
+//! Resolution of device types.
+
+use crate::check::bodies::body::Body;
+use crate::check::signatures::instance::key;
+use crate::check::signatures::static_args;
+use crate::check::signatures::static_args::Static;
+use crate::check::signatures::static_args::Statics;
+use crate::check::types::value_types;
+use crate::check::{Checker, Lazy};
+use crate::program::DeclId;
+use crate::ty::{DevicePortTy, DeviceTy, Ty};
+use crate::typed::{Unit, UnitKind};
+use rpi_diag::Span;
+use rpi_syntax::ast::{DeviceDecl, DeviceSection, NamedType, PortKind, Type, TypeKind, VarDecl};
+use std::rc::Rc;
+
+/// Resolves a device type with its arguments. The cell description gives the parameters that are left open.
+pub(crate) fn resolve_device_type<'a>(
+    cx: &mut Body<'_, 'a>,
+    id: DeclId,
+    decl: &'a DeviceDecl,
+    named: &'a NamedType,
+) -> Ty {
+    let bound = static_args::bind_statics(cx, id, &named.statics);
+    let mut statics = bound.statics;
+    static_args::add_default_statics(cx.c, id, &mut statics);
+    device_type_instance(cx.c, id, decl, &Rc::new(statics))
+}
+
+/// Checks a device declaration on its own.
+pub(crate) fn check_device<'a>(checker: &mut Checker<'a>, id: DeclId, decl: &'a DeviceDecl) {
+    let mut statics = Statics::new();
+    static_args::add_default_statics(checker, id, &mut statics);
+    device_type_instance(checker, id, decl, &Rc::new(statics));
+}
+
+/// Returns the instance of a device type for these static arguments.
+fn device_type_instance<'a>(
+    checker: &mut Checker<'a>,
+    id: DeclId,
+    decl: &'a DeviceDecl,
+    statics: &Rc<Statics>,
+) -> Ty {
+    let key = key(id, statics);
+    if let Some(Lazy::Done(Some(ty))) = checker.types.get(&key) {
+        return ty.clone();
+    }
+    let unit = Unit::new(decl.name.name.clone(), UnitKind::Constant, Span::NONE);
+    let mut body = Body::new(checker, id, statics.clone(), unit);
+    body.in_signature = true;
+    let ports = device_ports(&mut body, decl);
+    let frames = body.leave().free_frames;
+    let ty = Ty::Device(Rc::new(DeviceTy {
+        name: decl.name.name.clone(),
+        ports,
+        frames,
+    }));
+    checker.types.insert(key, Lazy::Done(Some(ty.clone())));
+    ty
+}
+
+/// Returns the ports of a device declaration. Ports with the same actuator number belong to one actuator.
+fn device_ports<'a>(cx: &mut Body<'_, 'a>, decl: &'a DeviceDecl) -> Vec<DevicePortTy> {
+    let mut ports = Vec::new();
+    let mut actuator = 0;
+    for section in &decl.sections {
+        section_ports(cx, section, &mut actuator, &mut ports);
+    }
+    ports
+}
+
+/// Adds the ports of a section; `actuator` is the number of the next actuator.
+fn section_ports<'a>(
+    cx: &mut Body<'_, 'a>,
+    section: &'a DeviceSection,
+    actuator: &mut u32,
+    ports: &mut Vec<DevicePortTy>,
+) {
+    let is_actuator = section.kind == PortKind::Actuator;
+    for port in &section.ports {
+        for alternative in &port.alternatives {
+            let before = ports.len();
+            alternative_ports(cx, alternative, is_actuator, *actuator, ports);
+            if is_actuator && port.alternatives.len() == 1 {
+                // `a, b: T` are two actuators, `a: T | b: U` is one.
+                for (k, port) in (0..).zip(&mut ports[before..]) {
+                    port.actuator = *actuator + k;
+                }
+            }
+        }
+        if is_actuator {
+            *actuator = ports.iter().map(|p| p.actuator).max().unwrap_or(0) + 1;
+        }
+    }
+}
+
+/// Adds the ports of one alternative of an actuator, or of a sensor declaration.
+fn alternative_ports<'a>(
+    cx: &mut Body<'_, 'a>,
+    decl: &'a VarDecl,
+    is_actuator: bool,
+    actuator: u32,
+    ports: &mut Vec<DevicePortTy>,
+) {
+    let (inner, optional) = match &decl.ty.kind {
+        TypeKind::Optional(inner) => (&**inner, true),
+        _ => (&decl.ty, false),
+    };
+    let ty = has_known_size(cx, inner).then(|| value_types::resolve_value_type(cx, inner));
+    // Times cross the device interface in seconds: a device does not know the cycle time.
+    let ty = ty.map(|ty| crate::check::outside_type(&ty).0);
+    for name in &decl.names {
+        ports.push(DevicePortTy {
+            name: name.name.clone(),
+            ty: ty.clone(),
+            optional,
+            is_actuator,
+            actuator,
+        });
+    }
+}
+
+/// Whether no array size in a type depends on a parameter that only the cell description gives.
+fn has_known_size(cx: &Body<'_, '_>, ty: &Type) -> bool {
+    match &ty.kind {
+        TypeKind::Optional(inner) => has_known_size(cx, inner),
+        TypeKind::Array(array) => {
+            let open = array.size.as_name().and_then(|name| cx.statics.get(name));
+            !matches!(open, Some(Static::Opaque)) && has_known_size(cx, &array.element)
+        }
+        _ => true,
+    }
+}

@@ -1,0 +1,349 @@
+//! Exact time. Values of the type `time` count ticks. They become seconds where a real is expected; a duration in
+//! seconds that is fixed at load time becomes whole ticks, rounded up, where a time is expected.
+//!
+//! Such a conversion is often known only when the other operand is checked. Therefore an expression that may need one
+//! is added together with a part that covers all of it, and that part is turned into the conversion. The indices of
+//! checked expressions do not change.
+
+use crate::check::Checker;
+use crate::check::bodies::body::Body;
+use crate::check::calls::prim;
+use crate::check::signatures::constraint::written;
+use crate::check::signatures::header::Header;
+use crate::check::signatures::static_args;
+use crate::check::signatures::static_args::Param;
+use crate::program::{DeclId, DeclKind};
+use crate::ty::Ty;
+use crate::typed::{Each, ExprId, FlowRole, Kind, PrimCall, Unit, UnitKind};
+use crate::units::Dim;
+use rpi_diag::Span;
+use rpi_image::{Role, Scalar, State};
+use rpi_net::prim;
+use rpi_prims::PrimId;
+use rpi_syntax::Name;
+use rpi_syntax::ops::BinaryOp;
+
+use BinaryOp::{Add, Div, Ge, Gt, IntDiv, Le, Lt, Mod, Mul, Pow, Sub};
+
+/// Type of reals in seconds.
+pub(crate) const SECONDS: Ty = Ty::Real(Dim::TIME);
+
+/// Maximum number of alternatives of an expression in seconds that may become a time.
+const MOST_PARTS: usize = 1000;
+
+/// Operator on times: its primitive on ticks, whether the operands are swapped, and the type of its result.
+struct Row {
+    op: BinaryOp,
+    prim: PrimId,
+    swapped: bool,
+    gives: Ty,
+}
+
+const fn row(op: BinaryOp, prim: PrimId, swapped: bool, gives: Ty) -> Row {
+    Row {
+        op,
+        prim,
+        swapped,
+        gives,
+    }
+}
+
+/// Operators on two times, and on a time and an integer.
+#[rustfmt::skip]
+const ROWS: &[Row] = &[
+    row(Add,    prim!("Core::IntAdd"),           false, Ty::Duration),
+    row(Sub,    prim!("Rpi::IntSubtract"),       false, Ty::Duration),
+    row(Mul,    prim!("Core::IntMultiply"),      false, Ty::Duration),
+    row(Mod,    prim!("Rpi::IntModulo"),         false, Ty::Duration),
+    row(IntDiv, prim!("Core::IntDivide"),        false, Ty::Int),
+    row(Lt,     prim!("Core::IntGreater"),       true,  Ty::Bool),
+    row(Gt,     prim!("Core::IntGreater"),       false, Ty::Bool),
+    row(Le,     prim!("Rpi::IntGreaterOrEqual"), true,  Ty::Bool),
+    row(Ge,     prim!("Rpi::IntGreaterOrEqual"), false, Ty::Bool),
+];
+
+/// Whether an expression is added with a part that may be turned into a conversion.
+pub(crate) fn may_be_converted(unit: &Unit, kind: &Kind, ty: &Ty) -> bool {
+    match ty {
+        Ty::Duration => !matches!(kind, Kind::Fault),
+        Ty::Real(Dim::TIME) => is_fixed(unit, kind),
+        _ => false,
+    }
+}
+
+/// Whether a value is the same in all cycles, as far as its direct operands show.
+pub(crate) fn is_fixed(unit: &Unit, kind: &Kind) -> bool {
+    match kind {
+        Kind::Flow(flow) => unit.flow(*flow).role == FlowRole::Param,
+        Kind::Prim(call) => {
+            let desc = call.prim.desc();
+            let is_pure = desc.role == Role::Compute && matches!(desc.state, State::None);
+            let mut inputs = call.inputs.iter().flatten();
+            is_pure && inputs.all(|input| is_fixed_operand(unit, *input))
+        }
+        _ => false,
+    }
+}
+
+fn is_fixed_operand(unit: &Unit, id: ExprId) -> bool {
+    match &unit.expr(id).kind {
+        Kind::Literal(_) => true,
+        Kind::Flow(flow) => unit.flow(*flow).role == FlowRole::Param,
+        _ => is_whole(unit, id, &SECONDS),
+    }
+}
+
+/// Returns the expression of type `ty` that a part covers completely.
+fn whole(unit: &Unit, id: ExprId, ty: &Ty) -> Option<ExprId> {
+    match unit.expr(id).kind {
+        Kind::Part { base, .. } if unit.expr(base).ty == *ty => Some(base),
+        _ => None,
+    }
+}
+
+fn is_whole(unit: &Unit, id: ExprId, ty: &Ty) -> bool {
+    whole(unit, id, ty).is_some()
+}
+
+/// Turns a time into seconds.
+pub(crate) fn convert_to_seconds(cx: &mut Body<'_, '_>, id: ExprId) {
+    if *cx.ty_of(id) != Ty::Duration {
+        return;
+    }
+    let base = whole(&cx.unit, id, &Ty::Duration);
+    let converted = base.map(|base| match &cx.unit.expr(base).kind {
+        // The core provides these values in seconds, too.
+        Kind::Prim(call) if call.prim == prim!("Rpi::PeriodTicks") => {
+            prim_call(prim!("Core::CycleTime"), None)
+        }
+        Kind::Prim(call) if call.prim == prim!("Rpi::Elapsed") => {
+            prim_call(prim!("Rpi::Time"), None)
+        }
+        _ => prim_call(prim!("Rpi::SecondsFromTicks"), Some(base)),
+    });
+    let expr = &mut cx.unit.exprs[id.0 as usize];
+    expr.ty = SECONDS;
+    if let Some(kind) = converted {
+        expr.kind = kind;
+    } else if let Kind::Prim(call) = &expr.kind
+        && let (true, [Some(base)]) = (call.prim == prim!("Rpi::WholeTicks"), &call.inputs[..])
+    {
+        // An earlier conversion is undone rather than converted back, because it has rounded.
+        expr.kind = Kind::Part { base: *base, at: 0 };
+    }
+}
+
+/// Turns seconds that are fixed at load time, or chosen among such values, into whole ticks, rounded up; returns
+/// whether they are.
+pub(crate) fn convert_to_ticks(cx: &mut Body<'_, '_>, id: ExprId) -> bool {
+    let Some(parts) = fixed_alternatives(cx, id) else {
+        return false;
+    };
+    for part in parts {
+        let base = whole(&cx.unit, part, &SECONDS);
+        let expr = &mut cx.unit.exprs[part.0 as usize];
+        expr.ty = Ty::Duration;
+        if let Some(base) = base {
+            expr.kind = prim_call(prim!("Rpi::WholeTicks"), Some(base));
+        }
+    }
+    true
+}
+
+/// Returns an expression in seconds with all its alternatives, as of `if` or `merge`, if all of them are fixed at
+/// load time as far as their direct operands show.
+pub(crate) fn fixed_alternatives(cx: &Body<'_, '_>, id: ExprId) -> Option<Vec<ExprId>> {
+    let mut parts = Vec::new();
+    let mut open = vec![id];
+    while let Some(id) = open.pop() {
+        let expr = cx.unit.expr(id);
+        // `none` has any type.
+        if expr.ty.is_unknown() && !parts.is_empty() {
+            continue;
+        }
+        if expr.ty != SECONDS || parts.len() > MOST_PARTS {
+            return None;
+        }
+        parts.push(id);
+        match &expr.kind {
+            Kind::Literal(_) | Kind::Fault => {}
+            Kind::Each(each, operands) => {
+                open.extend(operands.iter().skip(usize::from(*each == Each::If)));
+            }
+            Kind::When { value, .. } | Kind::Current(value) => open.push(*value),
+            Kind::Merge { cases, .. } => open.extend(cases.iter().map(|case| case.1)),
+            _ if is_whole(&cx.unit, id, &SECONDS) => {}
+            _ => return None,
+        }
+    }
+    Some(parts)
+}
+
+/// Converts a time and a real to a common type: a fixed duration to ticks, otherwise the time to seconds.
+pub(crate) fn unify_times(cx: &mut Body<'_, '_>, a: ExprId, b: ExprId) {
+    for (time, other) in [(a, b), (b, a)] {
+        let is_real = matches!(cx.ty_of(other), Ty::Real(_));
+        if *cx.ty_of(time) == Ty::Duration && is_real && !convert_to_ticks(cx, other) {
+            convert_to_seconds(cx, time);
+        }
+    }
+}
+
+/// Converts an expression between seconds and ticks as its expected type requires.
+pub(crate) fn convert_time_for(cx: &mut Body<'_, '_>, id: ExprId, wanted: &Ty) {
+    match wanted {
+        Ty::Real(_) => convert_to_seconds(cx, id),
+        Ty::Duration => _ = convert_to_ticks(cx, id),
+        _ => {}
+    }
+}
+
+/// Converts an argument for a port of the type `time`: seconds become whole ticks, rounded up, even if they change
+/// at run time.
+fn ticks_for_port(cx: &mut Body<'_, '_>, id: ExprId) -> ExprId {
+    if *cx.ty_of(id) != SECONDS || convert_to_ticks(cx, id) {
+        return id;
+    }
+    ticks_from_seconds(cx, id, cx.span_of(id))
+}
+
+/// Adds the conversion `time(x)` from seconds to whole ticks, rounded up.
+pub(crate) fn ticks_from_seconds(cx: &mut Body<'_, '_>, x: ExprId, span: Span) -> ExprId {
+    prim::add_prim(cx, prim!("Rpi::TicksFromSeconds"), &[x], Ty::Duration, span)
+}
+
+/// Converts the operands of an operator, one of which is a time. Returns whether the operator works on times, or on
+/// a time and an integer; otherwise the operands become seconds, unless one is a Boolean, an integer or an enum
+/// value.
+fn unify_time_operands(cx: &mut Body<'_, '_>, op: BinaryOp, left: ExprId, right: ExprId) -> bool {
+    if matches!(op, Add | Sub | Mod | IntDiv | Lt | Le | Gt | Ge) {
+        unify_times(cx, left, right);
+    }
+    match (cx.ty_of(left), cx.ty_of(right)) {
+        (Ty::Duration, Ty::Duration) if !matches!(op, Mul | Div | Pow) => return true,
+        (Ty::Duration, Ty::Int) if matches!(op, Mul | IntDiv) => return true,
+        (Ty::Int, Ty::Duration) if op == Mul => return true,
+        _ => {}
+    }
+    let is_other = |body: &Body, id| matches!(body.ty_of(id), Ty::Bool | Ty::Int | Ty::Enum(_));
+    if !is_other(cx, left) && !is_other(cx, right) {
+        convert_to_seconds(cx, left);
+        convert_to_seconds(cx, right);
+    }
+    false
+}
+
+/// Turns the fixed duration in `n * 10[ms]` into ticks; the product is a multiple of it.
+fn convert_multiplied_duration(cx: &mut Body<'_, '_>, op: BinaryOp, left: ExprId, right: ExprId) {
+    let is_constant = cx.unit.kind == UnitKind::Constant;
+    for (count, duration) in [(left, right), (right, left)] {
+        let counts = *cx.ty_of(count) == Ty::Int;
+        if op == Mul && counts && !is_constant {
+            convert_to_ticks(cx, duration);
+        }
+    }
+}
+
+/// Checks an operator with a time as an operand; returns `None` if it works on seconds, to which the operands are
+/// converted.
+pub(crate) fn time_operator(
+    cx: &mut Body<'_, '_>,
+    op: BinaryOp,
+    left: ExprId,
+    right: ExprId,
+    span: Span,
+) -> Option<ExprId> {
+    let is_time = |body: &Body, id| *body.ty_of(id) == Ty::Duration;
+    convert_multiplied_duration(cx, op, left, right);
+    if !is_time(cx, left) && !is_time(cx, right) || !unify_time_operands(cx, op, left, right) {
+        return None;
+    }
+    let row = ROWS.iter().find(|row| row.op == op)?;
+    let gives = match (op, is_time(cx, right)) {
+        (IntDiv, false) => Ty::Duration,
+        _ => row.gives.clone(),
+    };
+    let operands = match row.swapped {
+        true => [right, left],
+        false => [left, right],
+    };
+    Some(prim::add_prim(cx, row.prim, &operands, gives, span))
+}
+
+/// Decides whether the common type of the arguments of a type parameter is a time. It is if all of them are times
+/// or may be, and the constraint of the type parameter admits times; otherwise they become seconds.
+pub(crate) fn unify_generic_times(cx: &mut Body<'_, '_>, header: &Header, args: &[Option<ExprId>]) {
+    let given = header.inputs.iter().zip(args);
+    let generic = given.filter_map(|(port, arg)| match (&port.ty, arg) {
+        (Ty::Generic(name), Some(arg)) => Some((name, *arg)),
+        _ => None,
+    });
+    let generic: Vec<(&Name, ExprId)> = generic.collect();
+    let is_time = |body: &Body, id| *body.ty_of(id) == Ty::Duration;
+    for (name, arg) in &generic {
+        if !is_time(cx, *arg) {
+            continue;
+        }
+        let alike = generic.iter().filter(|other| other.0 == *name);
+        let alike: Vec<ExprId> = alike.map(|other| other.1).collect();
+        let exact = may_be_time(cx.c, header.decl, name)
+            && alike
+                .iter()
+                .all(|id| is_time(cx, *id) || fixed_alternatives(cx, *id).is_some());
+        for id in alike {
+            match exact {
+                true => _ = convert_to_ticks(cx, id),
+                false => convert_to_seconds(cx, id),
+            }
+        }
+    }
+}
+
+/// Converts the arguments of a call to the known types of the ports.
+pub(crate) fn convert_time_args(
+    cx: &mut Body<'_, '_>,
+    header: &Header,
+    args: &mut [Option<ExprId>],
+) {
+    unify_generic_times(cx, header, args);
+    for (port, arg) in header.inputs.iter().zip(args) {
+        let Some(id) = arg else {
+            continue;
+        };
+        match &port.ty {
+            Ty::Duration => *arg = Some(ticks_for_port(cx, *id)),
+            wanted => convert_time_for(cx, *id, wanted),
+        }
+    }
+}
+
+fn prim_call(prim: PrimId, input: Option<ExprId>) -> Kind {
+    Kind::Prim(Box::new(PrimCall {
+        prim,
+        inputs: input.into_iter().map(Some).collect(),
+        params: Box::default(),
+    }))
+}
+
+/// Whether a type parameter may be a time: its constraint admits times, and the body is RPI text, which has this
+/// type.
+fn may_be_time(checker: &Checker<'_>, id: DeclId, name: &Name) -> bool {
+    let is_body = matches!(
+        checker.program.decl(id).kind,
+        DeclKind::Node(_) | DeclKind::Fragment(_)
+    );
+    let params = static_args::static_params_of(checker, id);
+    let constraint = params.iter().find_map(|param| match param {
+        Param::Type(of, constraint) if of.name == *name => Some(written(*constraint)),
+        _ => None,
+    });
+    is_body && !checker.is_lustre(id) && constraint.is_some_and(|c| c.admits(&Ty::Duration))
+}
+
+/// Returns the type and the machine type of a value outside of the program; a time is in seconds there.
+pub(crate) fn outside_type(ty: &Ty) -> (Ty, Scalar) {
+    match ty {
+        Ty::Duration => (SECONDS, Scalar::Real),
+        ty => (ty.clone(), ty.scalar().unwrap_or(Scalar::Bool)),
+    }
+}

@@ -1,0 +1,251 @@
+//! Decides whether a flow without a declared type is an exact time or a real in seconds, where its equations allow
+//! both: `t = 0[s]` in one state and `t = last t + dt` in another, or `a = 5[s] -> pre b; b = a + dt`.
+//!
+//! A fixed duration in seconds can be either. A flow is a time if a time reaches it, through any number of flows, and
+//! no value that is only in seconds does; otherwise it is in seconds. If the result differs from the inferred type,
+//! types are inferred again with this one fixed. The order of the text therefore does not matter.
+
+use crate::check::bodies::automaton;
+use crate::check::bodies::body::Body;
+use crate::check::bodies::type_inference;
+use crate::check::bodies::type_inference::State;
+use crate::check::types::exact_time;
+use crate::check::types::exact_time::SECONDS;
+use crate::check::types::exact_time::is_fixed;
+use crate::hash::Map;
+use crate::ty::Ty;
+use crate::typed::{Each, Expr, ExprId, FlowId, FlowRole, Kind, PrimCall, Unit};
+use std::collections::BTreeMap;
+
+/// Maximum number of rounds of inference. After the first round, types can only change from time to seconds.
+const ROUNDS: u32 = 4;
+
+/// Kinds of values that reach a flow, and its neighbours.
+#[derive(Default)]
+struct Sources {
+    /// Whether a time reaches it.
+    time: bool,
+    /// Whether seconds that are not fixed reach it.
+    seconds: bool,
+    /// Flows with an inferred type that read this one.
+    readers: Vec<FlowId>,
+    /// Flows with an inferred type that it reads.
+    reads: Vec<FlowId>,
+    /// Whether the flow, or a flow of a state that contributes to it, was inferred as a time, and as seconds.
+    taken: [bool; 2],
+}
+
+/// Infers the types of all flows without a declared type.
+pub(crate) fn infer_with_times(cx: &mut Body<'_, '_>) {
+    let is_open = |k: &usize| cx.pending[*k].state == State::Open && cx.pending[*k].infers();
+    let open: Vec<usize> = (0..cx.pending.len()).filter(is_open).collect();
+    let mut settled: Map<FlowId, Ty> = Map::default();
+    for _ in 0..ROUNDS {
+        let mark = type_inference::checkpoint(cx);
+        type_inference::infer_types(cx);
+        if !cx.has_times || !fix_wrong_types(cx, &open, &mut settled) {
+            return;
+        }
+        type_inference::rollback(cx, mark);
+        reset_inferred_types(cx, &open, &settled);
+    }
+    type_inference::infer_types(cx);
+}
+
+/// Adds the correct type of each wrongly inferred flow to `settled`; returns whether there are any.
+fn fix_wrong_types(cx: &Body<'_, '_>, open: &[usize], settled: &mut Map<FlowId, Ty>) -> bool {
+    let mut all = time_sources(cx, open, settled);
+    spread_seconds(&mut all);
+    spread_times(&mut all);
+    let mut changed = false;
+    for (flow, sources) in all {
+        let is_time = sources.time && !sources.seconds && settled.get(&flow) != Some(&SECONDS);
+        let ty = if is_time { Ty::Duration } else { SECONDS };
+        if sources.taken[usize::from(is_time)] {
+            changed |= settled.insert(flow, ty.clone()) != Some(ty);
+        }
+    }
+    changed
+}
+
+/// Returns the sources of each flow that may be a time or seconds.
+fn time_sources(
+    cx: &Body<'_, '_>,
+    open: &[usize],
+    settled: &Map<FlowId, Ty>,
+) -> BTreeMap<FlowId, Sources> {
+    let mut all: BTreeMap<FlowId, Sources> = BTreeMap::new();
+    let mut values: Vec<(FlowId, ExprId)> = Vec::new();
+    for index in open {
+        let pending = &cx.pending[*index];
+        let (State::Done(value), [Some(flow)]) = (pending.state, &pending.introduces[..]) else {
+            continue;
+        };
+        let outer = outermost_shared_flow(cx, *flow);
+        let types = [*flow, outer].map(|flow| &cx.unit.flow(flow).ty);
+        if types.into_iter().all(is_either) {
+            let sources = all.entry(outer).or_default();
+            sources.taken[0] |= types.contains(&&Ty::Duration);
+            sources.taken[1] |= types.contains(&&SECONDS);
+            // It was fixed as a time, but its value is still in seconds.
+            sources.seconds |= settled.get(&outer) == Some(&Ty::Duration)
+                && *cx.ty_of(value) == SECONDS
+                && exact_time::fixed_alternatives(cx, value).is_none();
+            values.push((outer, value));
+        }
+    }
+    for (flow, value) in values {
+        add_sources(cx, flow, value, &mut all);
+    }
+    all
+}
+
+/// Returns the outermost shared flow that a flow contributes to, or the flow itself.
+fn outermost_shared_flow(cx: &Body<'_, '_>, flow: FlowId) -> FlowId {
+    automaton::enclosing_shared_flows(cx, flow)
+        .last()
+        .unwrap_or(flow)
+}
+
+/// Adds the sources of a flow's defining value.
+fn add_sources(
+    cx: &Body<'_, '_>,
+    flow: FlowId,
+    value: ExprId,
+    all: &mut BTreeMap<FlowId, Sources>,
+) {
+    let mut open = vec![value];
+    while let Some(id) = open.pop() {
+        let expr = cx.unit.expr(id);
+        match &expr.kind {
+            Kind::Flow(read) if all.contains_key(&outermost_shared_flow(cx, *read)) => {
+                let read = outermost_shared_flow(cx, *read);
+                all.entry(read).or_default().readers.push(flow);
+                all.entry(flow).or_default().reads.push(read);
+                continue;
+            }
+            _ if goes_on(&cx.unit, expr, &mut open) => continue,
+            _ => {}
+        }
+        let sources = all.entry(flow).or_default();
+        match expr.ty {
+            Ty::Duration => sources.time = true,
+            _ if is_time(&expr.kind) => sources.time = true,
+            _ => sources.seconds |= !may_be_either(&cx.unit, expr),
+        }
+    }
+}
+
+/// Resets the inferred types, except the settled ones, for another round.
+fn reset_inferred_types(cx: &mut Body<'_, '_>, open: &[usize], settled: &Map<FlowId, Ty>) {
+    for index in open {
+        cx.pending[*index].state = State::Open;
+        for flow in cx.pending[*index].introduces.clone().into_iter().flatten() {
+            let around: Vec<FlowId> = automaton::enclosing_shared_flows(cx, flow).collect();
+            let outer = around.last().copied().unwrap_or(flow);
+            let ty = settled.get(&outer).cloned().unwrap_or(Ty::Unknown);
+            for flow in std::iter::once(flow).chain(around) {
+                cx.unit.flows[flow.0 as usize].ty = ty.clone();
+            }
+        }
+    }
+}
+
+/// Propagates seconds from each flow to its readers.
+fn spread_seconds(all: &mut BTreeMap<FlowId, Sources>) {
+    let mut open = flows_with(all, |sources| sources.seconds);
+    while let Some(flow) = open.pop() {
+        for reader in neighbours(all, flow, |sources| &sources.readers) {
+            if let Some(sources) = all.get_mut(&reader)
+                && !std::mem::replace(&mut sources.seconds, true)
+            {
+                open.push(reader);
+            }
+        }
+    }
+}
+
+/// Propagates times from each flow to its readers, and to the fixed durations that it reads.
+fn spread_times(all: &mut BTreeMap<FlowId, Sources>) {
+    let mut open = flows_with(all, |sources| sources.time && !sources.seconds);
+    while let Some(flow) = open.pop() {
+        let readers = neighbours(all, flow, |sources| &sources.readers);
+        let read = neighbours(all, flow, |sources| &sources.reads);
+        for other in readers.into_iter().chain(read) {
+            if let Some(sources) = all.get_mut(&other)
+                && !sources.seconds
+                && !std::mem::replace(&mut sources.time, true)
+            {
+                open.push(other);
+            }
+        }
+    }
+}
+
+fn flows_with(all: &BTreeMap<FlowId, Sources>, holds: fn(&Sources) -> bool) -> Vec<FlowId> {
+    let found = all.iter().filter(|(_, sources)| holds(sources));
+    found.map(|(flow, _)| *flow).collect()
+}
+
+fn neighbours(
+    all: &BTreeMap<FlowId, Sources>,
+    flow: FlowId,
+    which: fn(&Sources) -> &Vec<FlowId>,
+) -> Vec<FlowId> {
+    all.get(&flow).map(which).cloned().unwrap_or_default()
+}
+
+/// Adds the operands whose type is that of the expression to `open`; returns `false` if there are none.
+fn goes_on(unit: &Unit, expr: &Expr, open: &mut Vec<ExprId>) -> bool {
+    match &expr.kind {
+        Kind::Part { base, .. } if is_either(&unit.expr(*base).ty) => open.push(*base),
+        Kind::Each(Each::If, parts) => open.extend(parts.iter().skip(1)),
+        Kind::Each(_, parts) => open.extend(parts),
+        Kind::When { value, .. } | Kind::Current(value) => open.push(*value),
+        Kind::Merge { cases, .. } => open.extend(cases.iter().map(|case| case.1)),
+        Kind::Prim(call) if KEEPING.contains(&call.prim.desc().name) => {
+            let inputs = call.inputs.iter().flatten();
+            open.extend(inputs.filter(|id| is_either(&unit.expr(**id).ty)));
+        }
+        _ => return false,
+    }
+    true
+}
+
+/// Primitives whose result and operands are all times or all seconds.
+const KEEPING: &[&str] = &[
+    "Core::IntAdd",
+    "Rpi::IntSubtract",
+    "Rpi::IntModulo",
+    "Rpi::IntNegate",
+    "Core::IntMultiply",
+    "Core::IntDivide",
+    "Core::DoubleAdd",
+    "Rpi::DoubleSubtract",
+    "Core::DoubleModulo",
+    "Rpi::DoubleNegate",
+    "Rpi::SecondsFromTicks",
+];
+
+/// Whether a value in seconds is a converted time of the core.
+fn is_time(kind: &Kind) -> bool {
+    let name = |call: &PrimCall| call.prim.desc().name;
+    matches!(kind, Kind::Prim(call) if matches!(name(call), "Core::CycleTime" | "Rpi::Time"))
+}
+
+/// Whether a value in seconds may also be in ticks: it is fixed, or its type is unknown.
+fn may_be_either(unit: &Unit, expr: &Expr) -> bool {
+    match &expr.kind {
+        Kind::Literal(_) | Kind::Const(_) | Kind::Fault | Kind::None => true,
+        Kind::Flow(flow) => unit.flow(*flow).role == FlowRole::Param || expr.ty.is_unknown(),
+        Kind::Prim(call) => {
+            call.prim.desc().name == "Rpi::WholeTicks" || is_fixed(unit, &expr.kind)
+        }
+        _ => expr.ty.is_unknown(),
+    }
+}
+
+/// Whether a type is a time or a real in seconds.
+fn is_either(ty: &Ty) -> bool {
+    *ty == Ty::Duration || *ty == SECONDS
+}

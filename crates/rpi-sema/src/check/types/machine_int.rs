@@ -1,0 +1,361 @@
+//! Machine integers of Kind 2 (`int8` to `uint64`, `uint<N>`): conversions, operators and bit access. Results wrap
+//! around.
+
+use crate::check::bodies::body::Body;
+use crate::check::calls::prim;
+use crate::check::diagnostics::report;
+use crate::check::exprs::expr;
+use crate::check::exprs::ops;
+use crate::check::exprs::proof_only;
+use crate::check::signatures::unit;
+use crate::check::types::consts;
+use crate::ty::{MachineInt, Ty};
+use crate::typed::{ExprId, Kind, Leaf};
+use rpi_diag::{Code, Finding, Fix, Span};
+use rpi_net::prim;
+use rpi_prims::PrimId;
+use rpi_syntax::ast::{Binary, Bits, Call, Expr, ExprKind, StaticArg, StaticValue};
+use rpi_syntax::ops::{BinaryOp, UnaryOp};
+
+/// Checks a conversion to a machine integer, such as `(int8 x)` or `(sint@<25> x)`.
+pub(crate) fn machine_conversion<'a>(
+    cx: &mut Body<'_, 'a>,
+    name: &str,
+    call: &'a Call,
+    span: Span,
+) -> ExprId {
+    let [arg] = &call.args[..] else {
+        let finding = Finding::new(Code::RPI1010, format!("`{name}` takes one argument"))
+            .at(span, "wrong number of arguments");
+        return cx.fault_with(finding, span);
+    };
+    let Some(to) = machine_int_type(cx, name, &call.callee.statics, span) else {
+        expr::check_expr(cx, &arg.value);
+        return cx.fault(span);
+    };
+    match large_number(&arg.value) {
+        Some(bits) => {
+            let bits = cx.add(Kind::Literal(Leaf::int(bits)), Ty::Int, arg.value.span);
+            wrap_to_width(cx, bits, to, span)
+        }
+        None => {
+            let value = expr::check_expr(cx, &arg.value);
+            convert_to_machine(cx, value, to, span)
+        }
+    }
+}
+
+/// Returns the machine integer type of a name and width; `None` after an error, or if it has more than 64 bits.
+pub(crate) fn machine_int_type<'a>(
+    cx: &mut Body<'_, 'a>,
+    name: &str,
+    statics: &'a [StaticArg],
+    span: Span,
+) -> Option<MachineInt> {
+    let bits = match statics {
+        [] => return MachineInt::named(name),
+        [
+            StaticArg {
+                value: StaticValue::Expr(bits),
+                ..
+            },
+        ] => consts::const_integer(cx, bits)?,
+        _ => return None,
+    };
+    let found = MachineInt::new(name == "sint", bits);
+    if found.is_none() && bits < 1 {
+        let message = format!("invalid number of bits: {bits}");
+        let finding = Finding::new(Code::RPI2009, message);
+        report::report_diagnostic(
+            cx,
+            finding.at(span, "a machine integer has at least one bit"),
+        );
+    } else if found.is_none() {
+        proof_only::not_executable(
+            cx,
+            "a machine integer of more than 64 bits",
+            "at most 64 bits are supported",
+            span,
+        );
+    }
+    found
+}
+
+/// Converts a checked integer or machine integer to the machine integer type `to`; reports any other operand type.
+pub(crate) fn convert_to_machine(
+    cx: &mut Body<'_, '_>,
+    value: ExprId,
+    to: MachineInt,
+    span: Span,
+) -> ExprId {
+    match cx.ty_of(value).clone() {
+        Ty::Unknown => cx.add(Kind::Fault, Ty::Machine(to), span),
+        Ty::Int | Ty::Machine(_) => wrap_to_width(cx, value, to, span),
+        found => {
+            let finding =
+                Finding::new(Code::RPI2006, format!("cannot convert `{found}` to `{to}`"))
+                    .at(cx.span_of(value), format!("this is `{found}`"));
+            cx.fault_with(finding, span)
+        }
+    }
+}
+
+fn wrap_to_width(cx: &mut Body<'_, '_>, value: ExprId, to: MachineInt, span: Span) -> ExprId {
+    let width = signed_width(cx, to, span);
+    prim::add_prim(
+        cx,
+        prim!("Rpi::MachineWrap"),
+        &[value, width],
+        Ty::Machine(to),
+        span,
+    )
+}
+
+fn signed_width(cx: &mut Body<'_, '_>, of: MachineInt, span: Span) -> ExprId {
+    int_literal(cx, of.width(), span)
+}
+
+fn int_literal(cx: &mut Body<'_, '_>, bits: i64, span: Span) -> ExprId {
+    cx.add(Kind::Literal(Leaf::int(bits)), Ty::Int, span)
+}
+
+/// Checks a unary operator on a machine integer; returns `None` if the operator is not defined for machine
+/// integers.
+pub(crate) fn machine_unary(
+    cx: &mut Body<'_, '_>,
+    op: UnaryOp,
+    operand: ExprId,
+    of: MachineInt,
+    span: Span,
+) -> Option<ExprId> {
+    let width = signed_width(cx, of, span);
+    let ty = Ty::Machine(of);
+    Some(match op {
+        UnaryOp::Neg => {
+            // There is no negation primitive; `0 - x` wraps around in the same way.
+            let zero = int_literal(cx, 0, span);
+            let operands = [zero, operand, width];
+            prim::add_prim(cx, prim!("Rpi::MachineSubtract"), &operands, ty, span)
+        }
+        UnaryOp::BitNot => {
+            prim::add_prim(cx, prim!("Rpi::MachineNot"), &[operand, width], ty, span)
+        }
+        UnaryOp::ToInt => prim::add_prim(
+            cx,
+            prim!("Rpi::MachineToInt"),
+            &[operand, width],
+            Ty::Int,
+            span,
+        ),
+        _ => return None,
+    })
+}
+
+/// Checks a binary operator on two machine integers; returns `None` if the operator is not defined for their types.
+pub(crate) fn machine_binary(
+    cx: &mut Body<'_, '_>,
+    op: BinaryOp,
+    [left, right]: [ExprId; 2],
+    span: Span,
+) -> Option<ExprId> {
+    let Ty::Machine(of) = *cx.ty_of(left) else {
+        return None;
+    };
+    let right = convert_shift_count(cx, op, right, of, span);
+    let has_place = match (op, cx.ty_of(right)) {
+        (BinaryOp::ShiftLeft | BinaryOp::ShiftRight, Ty::Machine(by)) => !by.signed,
+        (_, Ty::Machine(other)) => *other == of,
+        _ => false,
+    };
+    if !has_place {
+        return None;
+    }
+    if let Some((prim, swapped)) = comparison(op) {
+        let width = signed_width(cx, of, span);
+        let operands = if swapped {
+            [right, left, width]
+        } else {
+            [left, right, width]
+        };
+        return Some(prim::add_prim(cx, prim, &operands, Ty::Bool, span));
+    }
+    let prim = arithmetic(op)?;
+    let mut operands = vec![left, right];
+    if prim.desc().inputs.len() > 2 {
+        operands.push(signed_width(cx, of, span));
+    }
+    Some(prim::add_prim(cx, prim, &operands, Ty::Machine(of), span))
+}
+
+/// Converts the shift count of `x lsh 3`: an integer becomes an unsigned machine integer of the width of `x`.
+fn convert_shift_count(
+    cx: &mut Body<'_, '_>,
+    op: BinaryOp,
+    by: ExprId,
+    of: MachineInt,
+    span: Span,
+) -> ExprId {
+    let shifts = matches!(op, BinaryOp::ShiftLeft | BinaryOp::ShiftRight);
+    match shifts && *cx.ty_of(by) == Ty::Int {
+        true => wrap_to_width(
+            cx,
+            by,
+            MachineInt {
+                signed: false,
+                ..of
+            },
+            span,
+        ),
+        false => by,
+    }
+}
+
+/// Checks the bit concatenation `x ++ y` of Kind 2.
+pub(crate) fn bit_concat<'a>(cx: &mut Body<'_, 'a>, binary: &'a Binary, span: Span) -> ExprId {
+    let both = [
+        expr::check_expr(cx, &binary.lhs),
+        expr::check_expr(cx, &binary.rhs),
+    ];
+    if both.iter().any(|id| cx.ty_of(*id).is_unknown()) {
+        return cx.fault(span);
+    }
+    let joined = concat_bits(cx, both, span);
+    joined
+        .unwrap_or_else(|| ops::unsupported_operands(cx, BinaryOp::Append, both[0], both[1], span))
+}
+
+/// Adds the fix that converts an integer operand to the machine integer type of the other operand.
+pub(crate) fn with_conversion_fix(
+    cx: &Body<'_, '_>,
+    finding: Finding,
+    of: MachineInt,
+    int: ExprId,
+) -> Finding {
+    let span = cx.span_of(int);
+    let to = of.conversion();
+    let fix = Fix::maybe(format!("convert with `{to}`"));
+    finding.fix(
+        fix.insert_before(span, format!("({to} "))
+            .insert_after(span, ")"),
+    )
+}
+
+/// Concatenates the bits of two machine integers, `high` above `low`; returns `None` for operands of other types.
+fn concat_bits(cx: &mut Body<'_, '_>, [high, low]: [ExprId; 2], span: Span) -> Option<ExprId> {
+    let (&Ty::Machine(above), &Ty::Machine(below)) = (cx.ty_of(high), cx.ty_of(low)) else {
+        return None;
+    };
+    let bits = i64::from(above.bits) + i64::from(below.bits);
+    let Some(whole) = MachineInt::new(above.signed, bits) else {
+        proof_only::not_executable(
+            cx,
+            "a machine integer of more than 64 bits",
+            "at most 64 bits are supported",
+            span,
+        );
+        return Some(cx.fault(span));
+    };
+    let (plain, ty) = (
+        MachineInt {
+            signed: false,
+            ..below
+        },
+        Ty::Machine(whole),
+    );
+    let places = int_literal(cx, i64::from(below.bits), span);
+    let width = signed_width(cx, whole, span);
+    let shift = prim!("Rpi::MachineShiftLeft");
+    let high = prim::add_prim(cx, shift, &[high, places, width], ty.clone(), span);
+    let low = wrap_to_width(cx, low, plain, span);
+    Some(prim::add_prim(
+        cx,
+        prim!("Rpi::MachineOr"),
+        &[high, low],
+        ty,
+        span,
+    ))
+}
+
+/// Checks a bit slice of a machine integer, such as `x[7:0]`.
+pub(crate) fn bit_slice<'a>(cx: &mut Body<'_, 'a>, of: &'a Bits, span: Span) -> ExprId {
+    let base = expr::check_expr(cx, &of.base);
+    let bounds = [&of.high, &of.low].map(|bound| consts::const_integer(cx, bound));
+    let ty = cx.ty_of(base).clone();
+    let known = ty.is_unknown() || bounds.contains(&None);
+    let [Some(high), Some(low)] = bounds else {
+        return cx.fault(span);
+    };
+    // In RPI text the parser has already reported the bit slice.
+    if known || unit::reads_rpi_syntax(cx) {
+        return cx.fault(span);
+    }
+    let Ty::Machine(machine) = ty else {
+        let finding = Finding::new(Code::RPI2006, "only a machine integer has bits")
+            .at(of.base.span, format!("this is `{ty}`"));
+        return cx.fault_with(finding, span);
+    };
+    for (bit, at) in [(high, &of.high), (low, &of.low)] {
+        if !(0..i64::from(machine.bits)).contains(&bit) {
+            return cx.fault_with(no_bit(bit, machine, at), span);
+        }
+    }
+    let Some(part) = MachineInt::new(false, high - low + 1) else {
+        let finding = Finding::new(Code::RPI2009, "empty bit range")
+            .at(span, format!("from {high} down to {low}"))
+            .help("the highest bit comes first: `x[7:0]`");
+        return cx.fault_with(finding, span);
+    };
+    let (places, width) = (int_literal(cx, low, span), signed_width(cx, machine, span));
+    let shift = prim!("Rpi::MachineShiftRight");
+    let moved = prim::add_prim(
+        cx,
+        shift,
+        &[base, places, width],
+        Ty::Machine(machine),
+        span,
+    );
+    wrap_to_width(cx, moved, part, span)
+}
+
+/// Returns the bits of a number literal above `i64::MAX`; `None` for any other expression.
+fn large_number(value: &Expr) -> Option<i64> {
+    match &value.kind {
+        ExprKind::Number(number) => {
+            let bits = number.bits().filter(|bits| i64::try_from(*bits).is_err());
+            bits.map(u64::cast_signed)
+        }
+        _ => None,
+    }
+}
+
+/// Returns the primitive of a comparison, and whether it takes the right operand first.
+fn comparison(op: BinaryOp) -> Option<(PrimId, bool)> {
+    Some(match op {
+        BinaryOp::Gt => (prim!("Rpi::MachineGreater"), false),
+        BinaryOp::Lt => (prim!("Rpi::MachineGreater"), true),
+        BinaryOp::Ge => (prim!("Rpi::MachineGreaterOrEqual"), false),
+        BinaryOp::Le => (prim!("Rpi::MachineGreaterOrEqual"), true),
+        _ => return None,
+    })
+}
+
+fn arithmetic(op: BinaryOp) -> Option<PrimId> {
+    Some(match op {
+        BinaryOp::Add => prim!("Rpi::MachineAdd"),
+        BinaryOp::Sub => prim!("Rpi::MachineSubtract"),
+        BinaryOp::Mul => prim!("Rpi::MachineMultiply"),
+        BinaryOp::Div | BinaryOp::IntDiv => prim!("Rpi::MachineDivide"),
+        BinaryOp::Mod => prim!("Rpi::MachineModulo"),
+        BinaryOp::BitAnd => prim!("Rpi::MachineAnd"),
+        BinaryOp::BitOr => prim!("Rpi::MachineOr"),
+        BinaryOp::ShiftLeft => prim!("Rpi::MachineShiftLeft"),
+        BinaryOp::ShiftRight => prim!("Rpi::MachineShiftRight"),
+        _ => return None,
+    })
+}
+
+fn no_bit(bit: i64, of: MachineInt, at: &Expr) -> Finding {
+    let bits = rpi_diag::counted(usize::from(of.bits), "bit");
+    Finding::new(Code::RPI2009, format!("bit index {bit} is out of range"))
+        .at(at.span, format!("the integer has {bits}, counted from 0"))
+}

@@ -1,0 +1,614 @@
+//! Types: resolution of type expressions, constants, units, frames, subranges and exact time.
+
+pub(crate) mod consts;
+pub(crate) mod data;
+pub(crate) mod device;
+pub(crate) mod exact_time;
+pub(crate) mod frame_placement;
+pub(crate) mod frames;
+pub(crate) mod infer_times;
+pub(crate) mod machine_int;
+pub(crate) mod quantity;
+pub(crate) mod subrange;
+pub(crate) mod time_sums;
+pub(crate) mod value_types;
+
+use crate::check::bodies::body::Body;
+use crate::check::bodies::locals;
+use crate::check::bodies::locals::Local;
+use crate::check::diagnostics::report;
+use crate::check::diagnostics::report::not_a;
+use crate::check::diagnostics::undefined_names;
+use crate::check::exprs::compose;
+use crate::check::exprs::proof_only;
+use crate::check::exprs::proof_only::SETS;
+use crate::check::exprs::proof_only::foreign_ty;
+use crate::check::exprs::spatial_ops;
+use crate::check::limits::nesting;
+use crate::check::limits::nesting::is_workable;
+use crate::check::signatures::static_args;
+use crate::check::signatures::static_args::Static;
+use crate::check::signatures::static_args::Statics;
+use crate::check::signatures::unit;
+use crate::check::types::quantity::unit_fault;
+use crate::check::{Checker, Lazy};
+use crate::program::{DeclId, DeclKind, Lookup, Space};
+use crate::ty::{EnumTy, Geometry, Member, StructTy, Ty};
+use crate::typed::Leaf;
+use crate::units::{Dim, Measure, resolve};
+use rpi_diag::{Code, Finding, Span};
+use rpi_image::Scalar;
+use rpi_syntax::Name;
+use rpi_syntax::ast::{
+    ArrayType, Dotted, Frames, Ident, NamedType, Type, TypeDef, TypeKind, Unit, VarDecl,
+};
+use std::rc::Rc;
+
+/// Maximum number of leaves of an array, over all levels. A larger array is probably a mistake, and would only use up
+/// memory.
+pub(crate) const MAX_LEAVES: usize = 1 << 16;
+
+/// A type, and whether a value may be absent.
+#[derive(Clone, Debug)]
+pub(crate) struct PortTy {
+    pub(crate) ty: Ty,
+    pub(crate) optional: bool,
+}
+
+/// Resolves the type of a port or variable, which may be optional as a whole.
+pub(crate) fn resolve_port_type<'a>(cx: &mut Body<'_, 'a>, ty: &'a Type) -> PortTy {
+    match &ty.kind {
+        TypeKind::Optional(inner) => PortTy {
+            ty: resolve_type(cx, inner),
+            optional: true,
+        },
+        _ => PortTy {
+            ty: resolve_type(cx, ty),
+            optional: false,
+        },
+    }
+}
+
+/// Resolves a type that is not optional.
+pub(crate) fn resolve_type<'a>(cx: &mut Body<'_, 'a>, ty: &'a Type) -> Ty {
+    match &ty.kind {
+        TypeKind::Bool => Ty::Bool,
+        TypeKind::Int => Ty::Int,
+        TypeKind::Subrange(range) => subrange::subrange_type(cx, range, ty.span),
+        TypeKind::Real(None) => Ty::REAL,
+        TypeKind::Real(Some(unit)) => real_type(cx, unit),
+        TypeKind::Named(named) => resolve_named_type(cx, named),
+        TypeKind::Array(array) => array_type(cx, array, ty.span),
+        TypeKind::Optional(inner) => optional_part(cx, inner, ty.span),
+        TypeKind::Tuple(types) => {
+            let types: Vec<Ty> = types
+                .iter()
+                .map(|ty| value_types::resolve_value_type(cx, ty))
+                .collect();
+            match &types[..] {
+                [one] => one.clone(),
+                _ => Ty::tuple(types),
+            }
+        }
+        TypeKind::Refined(refined) => proof_only::refinement_type(cx, refined),
+        TypeKind::Enum(_) | TypeKind::Struct(_) | TypeKind::Data(_) => anonymous_type(cx, ty.span),
+        TypeKind::Broken => Ty::Unknown,
+    }
+}
+
+/// Resolves the type of reals in a unit; unknown while a type parameter in the unit is unknown, and after an error.
+fn real_type(cx: &mut Body<'_, '_>, unit: &Unit) -> Ty {
+    match resolve_unit(cx, unit) {
+        Ok(Some(measure)) => Ty::Real(measure.dim),
+        Ok(None) => Ty::Unknown,
+        Err(finding) => {
+            report::report_diagnostic(cx, *finding);
+            Ty::Unknown
+        }
+    }
+}
+
+/// Resolves a unit; `None` while a type parameter in it is unknown.
+///
+/// # Errors
+/// Returns the diagnostic for an invalid unit.
+pub(crate) fn resolve_unit(
+    cx: &Body<'_, '_>,
+    unit: &Unit,
+) -> Result<Option<Measure>, Box<Finding>> {
+    for factor in &unit.factors {
+        match cx.statics.get(&factor.unit.name) {
+            Some(Static::Ty(Ty::Generic(_) | Ty::Unknown)) => return Ok(None),
+            Some(Static::Ty(ty)) if !matches!(ty, Ty::Real(_) | Ty::Duration) => {
+                return Err(Box::new(no_quantity(&factor.unit, ty)));
+            }
+            _ => {}
+        }
+    }
+    let parameter = |name: &str| match cx.statics.get(name) {
+        Some(Static::Ty(Ty::Real(dim))) => Some(*dim),
+        Some(Static::Ty(Ty::Duration)) => Some(Dim::TIME),
+        _ => None,
+    };
+    let found = resolve(unit, &parameter).map_err(|fault| Box::new(unit_fault(&fault)));
+    found.map(Some)
+}
+
+fn optional_part<'a>(cx: &mut Body<'_, 'a>, inner: &'a Type, span: Span) -> Ty {
+    report::report_diagnostic(
+        cx,
+        Finding::new(Code::RPI3004, "a part of a value cannot be optional")
+            .at(span, "optional part")
+            .help("only a whole flow or port can be optional: write `?` after the whole type"),
+    );
+    resolve_type(cx, inner)
+}
+
+fn anonymous_type(cx: &mut Body<'_, '_>, span: Span) -> Ty {
+    report::report_diagnostic(
+        cx,
+        Finding::new(Code::RPI1003, "an enum or struct needs a name")
+            .at(span, "declared in place")
+            .help("declare it by `type Name = ...;` and write the name here"),
+    );
+    Ty::Unknown
+}
+
+fn array_type<'a>(cx: &mut Body<'_, 'a>, array: &'a ArrayType, span: Span) -> Ty {
+    let element = value_types::resolve_value_type(cx, &array.element);
+    let Some(size) = compose::const_size(cx, &array.size) else {
+        return Ty::Unknown;
+    };
+    let ty = Ty::Array(Rc::new(element), size);
+    if ty.leaf_count() > MAX_LEAVES {
+        report::report_diagnostic(cx, too_large(span));
+        return Ty::Unknown;
+    }
+    ty
+}
+
+fn resolve_named_type<'a>(cx: &mut Body<'_, 'a>, named: &'a NamedType) -> Ty {
+    let name = &named.name.name;
+    if let Some(Static::Ty(ty)) = cx.statics.get(name) {
+        return ty.clone();
+    }
+    match cx.c.program.lookup_in(Space::Type, cx.module, name) {
+        Lookup::Found(id) => resolve_declared_type(cx, id, named),
+        Lookup::Missing => resolve_builtin_type(cx, named),
+    }
+}
+
+/// Resolves a type by its name alone.
+pub(crate) fn type_by_plain_name(cx: &mut Body<'_, '_>, name: &Name, span: Span) -> Option<Ty> {
+    if let Some(Static::Ty(ty)) = cx.statics.get(name) {
+        return Some(ty.clone());
+    }
+    if let Lookup::Found(id) = cx.c.program.lookup_in(Space::Type, cx.module, name)
+        && let DeclKind::Type(_) = cx.c.program.decl(id).kind
+    {
+        return Some(data::type_instance_for(cx, id, &[], span));
+    }
+    let spatial = Scalar::ALL
+        .iter()
+        .copied()
+        .find(|s| s.name() == name.as_str());
+    let found = match name.as_str() {
+        "time" if unit::reads_rpi_syntax(cx) => Some(Ty::Duration),
+        _ => spatial.map(crate::check::calls::prim::scalar_ty),
+    };
+    if found.is_none() {
+        undefined_names::report_undefined_type(cx, name, span);
+    }
+    found
+}
+
+/// Whether no declaration and no static parameter has this name, so that it can only be a predeclared type.
+pub(crate) fn is_undeclared_type(cx: &Body<'_, '_>, name: &Name) -> bool {
+    let found = cx.c.program.lookup_in(Space::Type, cx.module, name);
+    !cx.statics.contains_key(name) && matches!(found, Lookup::Missing)
+}
+
+fn resolve_declared_type<'a>(cx: &mut Body<'_, 'a>, id: DeclId, named: &'a NamedType) -> Ty {
+    let decl = cx.c.program.decl(id);
+    match decl.kind {
+        DeclKind::Type(_) => data::type_instance_for(cx, id, &named.statics, named.name.span),
+        DeclKind::Device(device) => device::resolve_device_type(cx, id, device, named),
+        DeclKind::Broken(_) => Ty::Unknown,
+        kind => {
+            let finding = not_a(
+                "a type",
+                &decl.name,
+                kind.what(),
+                named.name.span,
+                decl.span,
+            );
+            report::report_diagnostic(cx, finding);
+            Ty::Unknown
+        }
+    }
+}
+
+fn resolve_builtin_type<'a>(cx: &mut Body<'_, 'a>, named: &'a NamedType) -> Ty {
+    let name = named.name.name.as_str();
+    let scalar = Scalar::ALL.iter().copied().find(|s| s.name() == name);
+    match scalar {
+        Some(Scalar::Time) => Ty::Time,
+        Some(scalar) => {
+            let dim = spatial_ops::component_dim(cx, scalar, &named.statics);
+            let geometry = check_geometry(cx, named.frames.as_ref());
+            Ty::Spatial(scalar, Rc::new(Geometry { dim, ..geometry }))
+        }
+        None if name == "result" => Ty::Result,
+        None if name == "text" => Ty::Text,
+        None if name == "time" && unit::reads_rpi_syntax(cx) => Ty::Duration,
+        None if !unit::reads_rpi_syntax(cx) && is_foreign_name(name) => kind2_type(cx, named),
+        None => {
+            undefined_names::report_undefined_type(cx, &named.name.name, named.name.span);
+            Ty::Unknown
+        }
+    }
+}
+
+/// Resolves a built-in type of Kind 2: a machine integer, or a type of which only the name is known.
+fn kind2_type<'a>(cx: &mut Body<'_, 'a>, named: &'a NamedType) -> Ty {
+    let (name, span) = (named.name.name.as_str(), named.name.span);
+    if !matches!(name, "set" | "map" | "history") {
+        let machine = machine_int::machine_int_type(cx, name, &named.statics, span);
+        return machine.map_or(Ty::Unknown, Ty::Machine);
+    }
+    let args: Vec<String> = named
+        .statics
+        .iter()
+        .map(|arg| type_argument(cx, arg))
+        .collect();
+    match name {
+        "set" | "map" => proof_only::not_executable(cx, &format!("a {name}"), SETS, span),
+        _ => history(cx, named),
+    }
+    match &args[..] {
+        _ if args.iter().any(String::is_empty) => Ty::Unknown,
+        _ if name == "history" => Ty::Unknown,
+        [] => foreign_ty(name.to_owned()),
+        args => foreign_ty(format!("{name}<{}>", args.join(", "))),
+    }
+}
+
+/// Returns a static argument of such a type as text; empty after an error.
+fn type_argument<'a>(cx: &mut Body<'_, 'a>, arg: &'a rpi_syntax::ast::StaticArg) -> String {
+    match &arg.value {
+        rpi_syntax::ast::StaticValue::Expr(value) => {
+            consts::const_integer(cx, value).map_or_else(String::new, |n| n.to_string())
+        }
+        _ => match static_args::static_type(cx, arg) {
+            None | Some(Ty::Unknown) => String::new(),
+            Some(ty) => ty.to_string(),
+        },
+    }
+}
+
+/// Checks `history(x)`, the past values of a flow.
+fn history(cx: &mut Body<'_, '_>, named: &NamedType) {
+    let of = named
+        .frames
+        .as_ref()
+        .and_then(|frames| frames.in_frame.parts.first());
+    let Some(of) = of else {
+        return undefined_names::report_undefined_type(cx, &named.name.name, named.name.span);
+    };
+    let is_bound = cx.bound.iter().any(|bound| bound.name == of.name);
+    if is_bound || cx.local_flow(&of.name).is_none() {
+        let message = format!("`{}` has no history", of.name);
+        let finding = Finding::new(Code::RPI2014, message)
+            .at(of.span, "not a flow of the node")
+            .help("`history(x)` is the sequence of past values of a flow `x`");
+        return report::report_diagnostic(cx, finding);
+    }
+    proof_only::not_executable(
+        cx,
+        "a history",
+        "a control core stores no values of earlier cycles except those of `pre`",
+        named.name.span,
+    );
+}
+
+pub(crate) fn similar_type(cx: &Body<'_, '_>, name: &str) -> Option<String> {
+    let builtin = [
+        "Vector", "Rotation", "Pose", "Twist", "Wrench", "Time", "time", "bool", "int", "real",
+    ];
+    let is_type = |id: DeclId| {
+        let kind = cx.c.program.decl(id).kind;
+        matches!(kind, DeclKind::Type(_) | DeclKind::Device(_))
+    };
+    let declared = cx.c.suggest(name, cx.c.program.visible(cx.module, is_type));
+    declared.or_else(|| rpi_diag::suggest(name, builtin.into_iter()))
+}
+
+fn check_geometry(cx: &mut Body<'_, '_>, frames: Option<&Frames>) -> Geometry {
+    Geometry {
+        dim: None,
+        of: frames
+            .and_then(|f| f.of.as_ref())
+            .and_then(|f| check_frame(cx, f)),
+        in_frame: frames.and_then(|f| check_frame(cx, &f.in_frame)),
+    }
+}
+
+/// Resolves a frame: declared, of a device, or (in a signature) free.
+fn check_frame(cx: &mut Body<'_, '_>, frame: &Dotted) -> Option<Name> {
+    match &frame.parts[..] {
+        [one] => {
+            let known = is_frame_name(cx, &one.name) || free_frame(cx, &one.name);
+            checked_frame(cx, known, one.name.clone(), one.span)
+        }
+        [device, local] => {
+            let known = device_frames(cx, &device.name).contains(&local.name);
+            let name = format!("{}.{}", device.name, local.name);
+            checked_frame(cx, known, name.into(), frame.span)
+        }
+        _ => checked_frame(cx, false, "".into(), frame.span),
+    }
+}
+
+/// Resolves the frame in which another frame is placed.
+pub(crate) fn parent_frame(cx: &mut Body<'_, '_>, frame: &Dotted) -> Option<Name> {
+    check_frame(cx, frame)
+}
+
+fn is_frame_name(cx: &Body<'_, '_>, name: &Name) -> bool {
+    match cx.c.program.lookup(cx.module, name) {
+        Lookup::Found(id) => matches!(cx.c.program.decl(id).kind, DeclKind::Frame(_)),
+        _ => false,
+    }
+}
+
+/// Whether a name may be a free frame of the signature. In the signature itself every name may be one.
+fn free_frame(cx: &mut Body<'_, '_>, name: &Name) -> bool {
+    let known = cx.unit.free_frames.contains(name);
+    if !known && cx.in_signature {
+        cx.unit.free_frames.push(name.clone());
+    }
+    known || cx.in_signature
+}
+
+fn device_frames(cx: &Body<'_, '_>, device: &Name) -> Vec<Name> {
+    let Some(Local::Flow(flow)) = locals::find_local(cx, device) else {
+        return Vec::new();
+    };
+    cx.unit
+        .device(flow)
+        .map_or_else(Vec::new, |d| d.frames.clone())
+}
+
+fn checked_frame(cx: &mut Body<'_, '_>, known: bool, name: Name, span: Span) -> Option<Name> {
+    if !known {
+        let program = cx.c.program;
+        let is_frame = |id| matches!(program.decl(id).kind, DeclKind::Frame(_));
+        let declared = program.visible(cx.module, is_frame);
+        let free = cx.unit.free_frames.iter().map(Name::as_str);
+        let near = cx.c.suggest(&name, free.chain(declared));
+        let finding = Finding::new(Code::RPI1001, format!("undefined frame `{name}`"))
+            .at(span, "not declared")
+            .help("declare it by `frame`, name it in the signature, or use a frame of a device");
+        report::report_diagnostic(cx, finding.did_you_mean(span, near));
+    }
+    known.then_some(name)
+}
+
+/// Checks a type declaration or device type on its own.
+pub(crate) fn check_type(checker: &mut Checker<'_>, id: DeclId) {
+    match checker.program.decl(id).kind {
+        DeclKind::Type(def) => {
+            let params = crate::check::signatures::static_args::params(&def.statics).into_iter();
+            let open = params.map(|param| {
+                let name = param.name().name.clone();
+                (name.clone(), Static::Ty(Ty::Generic(name)))
+            });
+            type_instance(checker, id, Rc::new(open.collect()));
+        }
+        DeclKind::Device(device) => device::check_device(checker, id, device),
+        _ => {}
+    }
+}
+
+/// Returns the type of a declaration without static arguments.
+pub(crate) fn type_decl(checker: &mut Checker<'_>, id: DeclId) -> Ty {
+    type_instance(checker, id, Rc::default())
+}
+
+/// Returns the type of a declaration with static arguments.
+pub(crate) fn type_instance(checker: &mut Checker<'_>, id: DeclId, statics: Rc<Statics>) -> Ty {
+    let key = crate::check::signatures::instance::key(id, &statics);
+    match checker.types.get(&key) {
+        Some(Lazy::Done(ty)) => return ty.clone().unwrap_or(Ty::Unknown),
+        Some(Lazy::Busy) => {
+            report_dependency_cycle(checker, "type", id);
+            return Ty::Unknown;
+        }
+        None => {}
+    }
+    if !nesting::may_nest(checker, "type", checker.program.decl(id).span) {
+        return Ty::Unknown;
+    }
+    // In progress before it is resolved, so that a type that depends on itself is detected.
+    checker.types.insert(key.clone(), Lazy::Busy);
+    checker.open.push(id);
+    let ty = nesting::check_nested(checker, |checker| type_def(checker, id, statics));
+    checker.open.pop();
+    checker.types.insert(key, Lazy::Done(Some(ty.clone())));
+    ty
+}
+
+fn type_def(checker: &mut Checker<'_>, id: DeclId, statics: Rc<Statics>) -> Ty {
+    let DeclKind::Type(def) = checker.program.decl(id).kind else {
+        return Ty::Unknown;
+    };
+    let mut body = Body::around(checker, id);
+    body.statics = statics;
+    let ty = resolve_type_def(&mut body, def);
+    let is_temporal = body.state_at.is_some();
+    body.leave();
+    if is_temporal {
+        checker.temporal.insert(id);
+    }
+    ty
+}
+
+/// Reports a dependency cycle of declarations.
+pub(crate) fn report_dependency_cycle(checker: &mut Checker<'_>, what: &str, id: DeclId) {
+    let from = checker
+        .open
+        .iter()
+        .position(|open| *open == id)
+        .unwrap_or(0);
+    let ring: Vec<_> = checker.open[from..]
+        .iter()
+        .map(|id| checker.program.decl(*id))
+        .collect();
+    let name = &checker.program.decl(id).name;
+    let way: Vec<String> = ring
+        .iter()
+        .map(|decl| format!("`{}` -> ", decl.name))
+        .collect();
+    let message = match ring.len() {
+        0 | 1 => format!("the {what} `{name}` depends on itself"),
+        _ => format!(
+            "the {what} `{name}` depends on itself: {}`{name}`",
+            way.concat()
+        ),
+    };
+    let mut finding = Finding::new(Code::RPI1007, message);
+    if ring.is_empty() {
+        let decl = checker.program.decl(id);
+        let text = format!("`{name}` depends on `{name}`");
+        finding = finding.at(decl.span, text);
+    }
+    for (k, decl) in ring.iter().enumerate() {
+        let next = &ring[(k + 1) % ring.len()].name;
+        let text = format!("`{}` depends on `{next}`", decl.name);
+        finding = match k {
+            0 => finding.at(decl.span, text),
+            _ => finding.also(decl.span, text),
+        };
+    }
+    checker.findings.push(finding);
+}
+
+fn resolve_type_def<'a>(cx: &mut Body<'_, 'a>, def: &'a TypeDef) -> Ty {
+    let name = type_name(cx, def);
+    match def.ty.as_ref().map(|ty| (&ty.kind, ty)) {
+        None => Ty::Struct(Rc::new(StructTy {
+            name,
+            fields: Vec::new(),
+            defaults: Vec::new(),
+        })),
+        Some((TypeKind::Enum(values), _)) => {
+            let values = values.iter().map(|v| v.name.name.clone()).collect();
+            Ty::Enum(Rc::new(EnumTy::new(name, values)))
+        }
+        Some((TypeKind::Data(all), _)) => data::resolve_datatype(cx, def, name, all),
+        Some((TypeKind::Struct(fields), _)) => resolve_struct(cx, def, name, fields),
+        Some((_, ty)) => resolve_type(cx, ty),
+    }
+}
+
+/// Returns the name of a type with its static arguments.
+fn type_name(cx: &Body<'_, '_>, def: &TypeDef) -> Name {
+    let params = crate::check::signatures::static_args::params(&def.statics);
+    crate::check::signatures::instance::display(cx.c.program, &def.name.name, &params, &cx.statics)
+}
+
+fn resolve_struct<'a>(
+    cx: &mut Body<'_, 'a>,
+    def: &'a TypeDef,
+    name: Name,
+    fields: &'a [VarDecl],
+) -> Ty {
+    let known = check_fields(cx, fields);
+    if !is_workable(&known) {
+        let finding = Finding::new(Code::RPI2009, "the struct is too large").at(
+            def.name.span,
+            "too many parts, or structs nested too deeply",
+        );
+        report::report_diagnostic(cx, finding);
+        return Ty::Unknown;
+    }
+    Ty::Struct(Rc::new(StructTy {
+        name,
+        fields: known,
+        defaults: field_defaults(cx, fields),
+    }))
+}
+
+pub(crate) fn check_fields<'a>(cx: &mut Body<'_, 'a>, decls: &'a [VarDecl]) -> Vec<Member> {
+    let mut fields: Vec<Member> = Vec::new();
+    let names = || decls.iter().flat_map(|decl| &decl.names);
+    for decl in decls {
+        let ty = value_types::resolve_value_type(cx, &decl.ty);
+        for name in &decl.names {
+            let first = names().take(fields.len()).find(|n| n.name == name.name);
+            if let Some(first) = first {
+                let finding = crate::program::twice(&name.name, name.span, first.span);
+                report::report_diagnostic(cx, finding);
+            }
+            fields.push(Member {
+                name: Some(name.name.clone()),
+                ty: ty.clone(),
+            });
+        }
+    }
+    fields
+}
+
+fn field_defaults<'a>(cx: &mut Body<'_, 'a>, decls: &'a [VarDecl]) -> Vec<Option<Rc<[Leaf]>>> {
+    let mut defaults = Vec::new();
+    for decl in decls {
+        let default = decl.default.as_ref().map(|value| {
+            let ty = resolve_type(cx, &decl.ty);
+            // An invalid default, which has been reported, is empty.
+            consts::const_value(cx, value, &ty).unwrap_or_default()
+        });
+        defaults.extend(decl.names.iter().map(|_| default.clone()));
+    }
+    defaults
+}
+
+/// Returns the diagnostic for a type parameter in a unit that is not a type of reals.
+fn no_quantity(name: &Ident, ty: &Ty) -> Finding {
+    let message = match ty.to_string() == name.name.as_str() {
+        // The body is checked for all types of this parameter.
+        true => format!("`{ty}` may be a type without unit"),
+        false => format!("`{}` is `{ty}` here, which has no unit", name.name),
+    };
+    Finding::new(Code::RPI2003, message).at(name.span, "expected a type of reals")
+}
+
+/// Names of the built-in types of Kind 2.
+const FOREIGN_TYPES: &[&str] = &[
+    "set", "map", "history", "int8", "int16", "int32", "int64", "uint8", "uint16", "uint32",
+    "uint64", "uint", "sint",
+];
+
+/// Prefixes of the names of types on whose values operators are not checked.
+pub(crate) const FOREIGN: &[&str] = &["set<", "map<"];
+
+fn is_foreign_name(name: &str) -> bool {
+    FOREIGN_TYPES.contains(&name)
+}
+
+/// Whether a type is a built-in type of Kind 2 whose name starts with one of these prefixes.
+pub(crate) fn is_foreign(ty: &Ty, beginnings: &[&str]) -> bool {
+    let Ty::Struct(of) = ty else {
+        return false;
+    };
+    let base = of.name.split('<').next().unwrap_or_default();
+    is_foreign_name(base)
+        && beginnings
+            .iter()
+            .any(|beginning| of.name.starts_with(beginning))
+}
+
+/// Returns the diagnostic for an array with too many leaves.
+pub(crate) fn too_large(span: Span) -> Finding {
+    Finding::new(Code::RPI2009, "the array is too large")
+        .at(span, format!("more than {MAX_LEAVES} values"))
+}

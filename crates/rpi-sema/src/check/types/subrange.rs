@@ -1,0 +1,66 @@
+//! Subrange types of `int`, and constants of these types.
+
+use crate::check::bodies::body::Body;
+use crate::check::bodies::statement;
+use crate::check::diagnostics::report;
+use crate::check::diagnostics::report::Wanted;
+use crate::check::exprs::expr;
+use crate::check::types::consts;
+use crate::ty::{Subrange, Ty};
+use crate::typed::Leaf;
+use rpi_diag::{Code, Finding, Span};
+use rpi_syntax::ast;
+
+/// Checks a subrange type `subrange [0, 7] of int`.
+pub(crate) fn subrange_type<'a>(cx: &mut Body<'_, 'a>, range: &'a ast::Subrange, span: Span) -> Ty {
+    let [from, to] = [&range.from, &range.to].map(|bound| subrange_bound(cx, bound.as_ref()));
+    let (Ok(from), Ok(to)) = (from, to) else {
+        // The error has been reported.
+        return Ty::Int;
+    };
+    let range = Subrange { from, to };
+    if range.is_empty() {
+        let message = format!("empty subrange {range}");
+        let finding = Finding::new(Code::RPI2018, message)
+            .at(span, "the lower bound is greater than the upper bound")
+            .help("write the smaller bound first");
+        report::report_diagnostic(cx, finding);
+        return Ty::Int;
+    }
+    Ty::Subrange(range)
+}
+
+/// Evaluates a bound of a subrange; `None` if the bound is open, an error if one has been reported.
+fn subrange_bound<'a>(
+    cx: &mut Body<'_, 'a>,
+    bound: Option<&'a ast::Expr>,
+) -> Result<Option<i64>, ()> {
+    let Some(bound) = bound else {
+        return Ok(None);
+    };
+    let id = expr::check_expr(cx, bound);
+    if !statement::expect_type(cx, id, &Ty::Int, &Wanted::Here) {
+        return Err(());
+    }
+    let leaves = consts::fold(cx, id).ok_or(())?;
+    let value = leaves.first().and_then(Leaf::as_int);
+    value.map(Some).ok_or(())
+}
+
+/// Whether the leaves of a constant are in the subranges of its type; reports the first leaf that is not.
+pub(crate) fn is_in_subranges(cx: &mut Body<'_, '_>, leaves: &[Leaf], ty: &Ty, span: Span) -> bool {
+    let out = ty.subranges(false).into_iter().find_map(|(leaf, range)| {
+        let value = leaves.get(leaf)?.as_int()?;
+        (!range.contains(value)).then_some((value, range))
+    });
+    if let Some((value, range)) = out {
+        report::report_diagnostic(cx, outside(value, range).at(span, "this constant"));
+    }
+    out.is_none()
+}
+
+/// Returns the diagnostic for a constant outside of a subrange; the caller adds the location.
+pub(crate) fn outside(value: i64, range: Subrange) -> Finding {
+    let message = format!("{value} is outside of the subrange {range}");
+    Finding::new(Code::RPI2017, message).help(format!("use a value in {range}, or widen the range"))
+}
