@@ -29,6 +29,7 @@ mod task;
 mod types;
 
 use crate::check::signatures::header::Header;
+use crate::check::types::type_decls;
 use crate::elab::Argument;
 use crate::hash::{Map, Set};
 use crate::program::{DeclId, DeclKind, Program};
@@ -39,7 +40,7 @@ use std::cell::Cell;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::rc::Rc;
 
-pub(crate) use crate::check::calls::prim::{machine_type, packed, param_default};
+pub(crate) use crate::check::calls::prim_ports::{machine_type, packed, param_default};
 pub use crate::check::diagnostics::undefined_names::no_file;
 pub(crate) use crate::check::diagnostics::undefined_names::no_module;
 #[cfg(test)]
@@ -48,7 +49,7 @@ pub(crate) use crate::check::exprs::builtins::{predeclared, spatial_parts};
 pub(crate) use crate::check::exprs::names::predeclared_name;
 pub use crate::check::exprs::names::result_identity;
 pub(crate) use crate::check::signatures::constraint::constraints;
-pub(crate) use crate::check::signatures::static_args::{params, params_of};
+pub(crate) use crate::check::signatures::static_params::{params, params_of};
 pub(crate) use crate::check::types::exact_time::outside_type;
 pub(crate) use crate::check::types::subrange::outside;
 
@@ -280,7 +281,7 @@ impl<'a> Checker<'a> {
                 crate::check::types::consts::check_constant(self, id);
             }
             DeclKind::Type(_) | DeclKind::Device(_) => {
-                types::check_type(self, id);
+                type_decls::check_type(self, id);
             }
             DeclKind::Node(_)
             | DeclKind::Fragment(_)

@@ -3,7 +3,7 @@
 
 use crate::check::bodies::body::Body;
 use crate::check::bodies::inference_errors::untold;
-use crate::check::calls::prim::port_ty;
+use crate::check::calls::prim_ports::port_ty;
 use crate::check::diagnostics::report;
 use crate::hash::Set;
 use crate::ty::Ty;

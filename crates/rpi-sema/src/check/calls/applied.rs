@@ -3,6 +3,7 @@
 
 use crate::check::bodies::body::Body;
 use crate::check::bodies::statement;
+use crate::check::calls::arg_tuples;
 use crate::check::calls::args;
 use crate::check::calls::args::Given;
 use crate::check::calls::callable::Callable;
@@ -24,7 +25,7 @@ pub(crate) fn call_predefined_op<'a>(
     given: Vec<Given<'a>>,
     span: Span,
 ) -> ExprId {
-    let given = args::flatten_tuple_args(cx, given);
+    let given = arg_tuples::flatten_tuple_args(cx, given);
     let (takes, gives) = predef.signature().unwrap_or((Vec::new(), Ty::Unknown));
     let mut sound = true;
     for (arg, ty) in given.iter().zip(&takes) {
@@ -48,7 +49,7 @@ pub(crate) fn call_operator<'a>(
     given: &[Given<'a>],
     span: Span,
 ) -> ExprId {
-    let given = args::flatten_tuple_args(cx, given.to_vec());
+    let given = arg_tuples::flatten_tuple_args(cx, given.to_vec());
     let values: Vec<ExprId> = given.iter().map(|arg| arg.value).collect();
     match (op, &values[..]) {
         (StaticOp::Binary(op), [a, b]) => apply_binary(cx, op, *a, *b, span),

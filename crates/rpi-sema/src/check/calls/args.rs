@@ -2,8 +2,7 @@
 
 use crate::check::bodies::body::Body;
 use crate::check::bodies::locals;
-use crate::check::bodies::tuple_pieces;
-use crate::check::bodies::tuple_pieces::Piece;
+use crate::check::calls::arg_tuples;
 use crate::check::diagnostics::argument_order;
 use crate::check::diagnostics::report;
 use crate::check::diagnostics::report::Wanted;
@@ -12,7 +11,7 @@ use crate::check::exprs::expr;
 use crate::check::exprs::names::plain_name;
 use crate::check::signatures::header::Header;
 use crate::check::signatures::header::Port;
-use crate::check::signatures::static_args;
+use crate::check::signatures::static_params;
 use crate::check::signatures::unit;
 use crate::check::types::exact_time;
 use crate::program::DeclId;
@@ -115,7 +114,7 @@ pub(crate) fn report_arg_named_by_eq<'a>(
     let Some(name) = plain_name(&binary.lhs).filter(|_| is_sign) else {
         return false;
     };
-    if locals::find_local(cx, name).is_some() || !static_args::has_param(cx.c, id, name) {
+    if locals::find_local(cx, name).is_some() || !static_params::has_param(cx.c, id, name) {
         return false;
     }
     let between = Span {
@@ -138,68 +137,6 @@ pub(crate) fn report_arg_named_by_eq<'a>(
     true
 }
 
-/// Replaces positional arguments that are tuples by their elements: `f(g(x))` where `g` has two outputs.
-pub(crate) fn flatten_tuple_args<'a>(
-    cx: &mut Body<'_, 'a>,
-    given: Vec<Given<'a>>,
-) -> Vec<Given<'a>> {
-    let mut all = Vec::with_capacity(given.len());
-    for arg in given {
-        match cx.ty_of(arg.value) {
-            Ty::Tuple(_) if arg.name.is_none() => {
-                let parts = tuple_elements(cx, arg.value);
-                all.extend(parts.into_iter().map(Given::plain));
-            }
-            _ => all.push(arg),
-        }
-    }
-    all
-}
-
-/// Replaces positional arguments that are tuples by their elements, except where the port takes a tuple.
-fn flatten_tuple_args_for<'a>(
-    cx: &mut Body<'_, 'a>,
-    header: &Header,
-    given: &[Given<'a>],
-) -> Vec<Given<'a>> {
-    let is_tuple = |arg: &Given<'_>| matches!(cx.ty_of(arg.value), Ty::Tuple(_));
-    let (named, placed): (Vec<Given<'a>>, Vec<Given<'a>>) =
-        given.iter().partition(|arg| arg.name.is_some());
-    if !placed.iter().any(is_tuple) {
-        return given.to_vec();
-    }
-    let is_named = |k: &usize| {
-        let mut names = named.iter().filter_map(|arg| arg.name);
-        names.any(|name| name.name == header.inputs[*k].name)
-    };
-    let ports = by_place(header).into_iter().filter(|k| !is_named(k));
-    let wanted: Vec<Option<&Ty>> = ports.map(|k| Some(&header.inputs[k].ty)).collect();
-    let values: Vec<ExprId> = placed.iter().map(|arg| arg.value).collect();
-    let types: Vec<Ty> = values.iter().map(|id| cx.ty_of(*id).clone()).collect();
-    let pieces = tuple_pieces::pieces(&types, &wanted).into_iter();
-    let spread = pieces.map(|piece| match piece.ty == types[piece.of] {
-        true => placed[piece.of],
-        false => Given::plain(add_piece(cx, values[piece.of], piece)),
-    });
-    named
-        .into_iter()
-        .chain(spread.collect::<Vec<_>>())
-        .collect()
-}
-
-/// Adds an expression for a part of a tuple.
-fn add_piece(cx: &mut Body<'_, '_>, base: ExprId, piece: Piece) -> ExprId {
-    let span = cx.span_of(base);
-    let at = piece.at;
-    cx.add(Kind::Part { base, at }, piece.ty, span)
-}
-
-/// Returns the elements of a tuple as expressions.
-pub(crate) fn tuple_elements(cx: &mut Body<'_, '_>, base: ExprId) -> Vec<ExprId> {
-    let pieces = tuple_pieces::all(cx.ty_of(base)).into_iter();
-    pieces.map(|piece| add_piece(cx, base, piece)).collect()
-}
-
 /// Returns the argument of each in-port of a callable. Reports unknown, missing and excess arguments and returns
 /// `None` if there are any.
 pub(crate) fn match_args_to_ports<'a>(
@@ -208,7 +145,7 @@ pub(crate) fn match_args_to_ports<'a>(
     given: &[Given<'a>],
     span: Span,
 ) -> Option<Vec<Option<ExprId>>> {
-    let given = &flatten_tuple_args_for(cx, header, given)[..];
+    let given = &arg_tuples::flatten_tuple_args_for(cx, header, given)[..];
     let mut args = vec![None; header.inputs.len()];
     let mut places = by_place(header).into_iter();
     let mut sound = true;
@@ -288,8 +225,8 @@ pub(crate) fn report_unknown_args<'a>(
     id: DeclId,
     given: &[Given<'a>],
 ) -> bool {
-    let ports = static_args::in_port_names(cx.c, id);
-    let params = static_args::static_params_of(cx.c, id);
+    let ports = static_params::in_port_names(cx.c, id);
+    let params = static_params::static_params_of(cx.c, id);
     let names = ports.chain(params.iter().map(|param| &param.name().name));
     let names: Vec<&Name> = names.collect();
     let decl = cx.c.program.decl(id);
@@ -476,7 +413,7 @@ fn stranger(
 }
 
 /// Returns the indices of the ports that take positional arguments.
-fn by_place(header: &Header) -> Vec<usize> {
+pub(crate) fn by_place(header: &Header) -> Vec<usize> {
     let wanted = |port: &Port| match (header.kind, port.role) {
         (kind, role) if kind.is_root() => role == FlowRole::Param,
         (_, FlowRole::Param) => !port.is_static,

@@ -8,7 +8,7 @@ use crate::check::signatures::header::Header;
 use crate::check::signatures::instance::display;
 use crate::check::signatures::instance::key;
 use crate::check::signatures::static_args::Statics;
-use crate::check::signatures::static_args::params_of;
+use crate::check::signatures::static_params::params_of;
 use crate::program::{DeclId, Program};
 use crate::typed::ExprId;
 use rpi_prims::PrimId;

@@ -3,6 +3,7 @@
 
 use crate::check::bodies::body::Body;
 use crate::check::bodies::statement;
+use crate::check::calls::arg_tuples;
 use crate::check::calls::args;
 use crate::check::calls::args::Given;
 use crate::check::calls::call;
@@ -53,7 +54,7 @@ pub(crate) fn condact_call<'a>(cx: &mut Body<'_, 'a>, call: &'a Call, span: Span
 /// Decomposes the first argument, as the condition may be the first output of a call.
 fn flatten_first_arg<'a>(cx: &mut Body<'_, 'a>, mut given: Vec<Given<'a>>) -> Vec<Given<'a>> {
     let rest = given.split_off(given.len().min(1));
-    args::flatten_tuple_args(cx, given)
+    arg_tuples::flatten_tuple_args(cx, given)
         .into_iter()
         .chain(rest)
         .collect()

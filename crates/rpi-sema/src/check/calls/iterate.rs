@@ -2,7 +2,7 @@
 
 use crate::check::bodies::body::Body;
 use crate::check::bodies::statement;
-use crate::check::calls::args;
+use crate::check::calls::arg_tuples;
 use crate::check::calls::args::Given;
 use crate::check::calls::call;
 use crate::check::calls::callable::Callable;
@@ -172,7 +172,7 @@ pub(crate) fn apply_iterator<'a>(
     given: &[Given<'a>],
     span: Span,
 ) -> ExprId {
-    let given = args::flatten_tuple_args(cx, given.to_vec());
+    let given = arg_tuples::flatten_tuple_args(cx, given.to_vec());
     let values: Vec<ExprId> = given.iter().map(|arg| arg.value).collect();
     match (iteration.way, &iteration.callee) {
         (Way::Map, Some(callee)) => map_arrays(cx, callee, &values, iteration.size, span),
@@ -226,7 +226,7 @@ fn call_element(
     let given = args.into_iter().map(Given::plain).collect();
     let result = call::call_callable(cx, callee, given, Activation::Always, span);
     match cx.ty_of(result) {
-        Ty::Tuple(_) => args::tuple_elements(cx, result),
+        Ty::Tuple(_) => arg_tuples::tuple_elements(cx, result),
         _ => vec![result],
     }
 }

@@ -1,30 +1,29 @@
 //! Calls of registered primitives: arguments are matched to ports and parameters by position or name.
 
 use crate::check::bodies::body::Body;
+use crate::check::calls::arg_tuples;
 use crate::check::calls::args;
 use crate::check::calls::args::Given;
+use crate::check::calls::prim_ports;
 use crate::check::diagnostics::report;
-use crate::check::diagnostics::report::Wanted;
 use crate::check::diagnostics::report::listed;
 use crate::check::exprs::expr;
 use crate::check::exprs::names;
 use crate::check::types::consts;
-use crate::check::types::exact_time;
-use crate::ty::{Member, Ty};
-use crate::typed::{ExprId, Kind, Leaf, PrimCall};
+use crate::ty::Ty;
+use crate::typed::{ExprId, Kind, PrimCall};
 use rpi_diag::counted;
 use rpi_diag::{Code, Finding, Span};
-use rpi_image::{Need, ParamType, PortType, PrimDesc, Role, Scalar, ShapeArgs, State, Type, Value};
+use rpi_image::{Need, PortType, PrimDesc, Role, Scalar, State};
 use rpi_prims::PrimId;
 use rpi_syntax::ast::{self, Ident, PrimitiveDecl};
-use std::rc::Rc;
 
 /// Arguments of a primitive call, by port and parameter.
-struct Slots {
-    inputs: Vec<Option<ExprId>>,
-    params: Vec<Option<ExprId>>,
+pub(crate) struct Slots {
+    pub(crate) inputs: Vec<Option<ExprId>>,
+    pub(crate) params: Vec<Option<ExprId>>,
     /// Reals that together replace an in-port: index of the port, index among its reals, value.
-    pieces: Vec<(usize, usize, ExprId)>,
+    pub(crate) pieces: Vec<(usize, usize, ExprId)>,
 }
 
 /// Port or parameter that an argument of a primitive call is for.
@@ -70,7 +69,7 @@ pub(crate) fn prim_call_with<'a>(
     span: Span,
 ) -> ExprId {
     let desc = prim.desc();
-    let given = args::flatten_tuple_args(cx, given.to_vec());
+    let given = arg_tuples::flatten_tuple_args(cx, given.to_vec());
     let Some(slots) = match_prim_args(cx, desc, &given, span) else {
         return cx.fault(span);
     };
@@ -168,15 +167,15 @@ fn set_prim_arg<'a>(
     match *slot {
         Slot::Input(k) => {
             slots.inputs[k] = Some(arg.value);
-            fits_port(cx, arg.value, desc.inputs[k].ty, desc.inputs[k].name)
+            prim_ports::fits_port(cx, arg.value, desc.inputs[k].ty, desc.inputs[k].name)
         }
         Slot::Param(k) => {
             slots.params[k] = Some(arg.value);
-            fits_param(cx, arg.value, desc.params[k].ty, desc.params[k].name)
+            prim_ports::fits_param(cx, arg.value, desc.params[k].ty, desc.params[k].name)
         }
         Slot::Piece(port, k) => {
             slots.pieces.push((port, k, arg.value));
-            fits_port(
+            prim_ports::fits_port(
                 cx,
                 arg.value,
                 PortType::One(Scalar::Real),
@@ -184,37 +183,6 @@ fn set_prim_arg<'a>(
             )
         }
     }
-}
-
-/// Whether a value has the machine type of a port; reports a mismatch. Units and frames are not compared.
-fn fits_port(cx: &mut Body<'_, '_>, value: ExprId, port: PortType, name: &str) -> bool {
-    // Ports take times in seconds.
-    exact_time::convert_to_seconds(cx, value);
-    let ty = cx.ty_of(value).clone();
-    let fits = ty.is_unknown() || port_accepts(port, &ty);
-    if !fits {
-        let expected = port_ty(port);
-        let wanted = Wanted::By(Span::NONE, format!("`{name}` takes {}", port_text(port)));
-        report::type_mismatch(cx, value, &expected, &crate::ty::Misfit::Kind, &wanted);
-    }
-    fits
-}
-
-fn fits_param(cx: &mut Body<'_, '_>, value: ExprId, param: ParamType, name: &str) -> bool {
-    let port = match param {
-        ParamType::One(scalar) => PortType::One(scalar),
-        ParamType::Array(scalar) => PortType::Array(scalar),
-        ParamType::Str => {
-            let ty = cx.ty_of(value).clone();
-            let fits = matches!(ty, Ty::Text | Ty::Device(_) | Ty::Unknown);
-            if !fits {
-                let wanted = Wanted::By(Span::NONE, format!("`{name}` takes a text"));
-                report::type_mismatch(cx, value, &Ty::Text, &crate::ty::Misfit::Kind, &wanted);
-            }
-            return fits;
-        }
-    };
-    fits_port(cx, value, port, name)
 }
 
 fn unexpected_prim_arg<'a>(cx: &mut Body<'_, 'a>, desc: &'static PrimDesc, arg: &Given<'a>) {
@@ -270,7 +238,7 @@ fn finish_prim(cx: &mut Body<'_, '_>, prim: PrimId, mut slots: Slots, span: Span
     if compose_inputs(cx, desc, &mut slots, span).is_none() {
         return cx.fault(span);
     }
-    let ty = prim_type(cx, desc, &slots, span);
+    let ty = prim_ports::prim_type(cx, desc, &slots, span);
     let call = PrimCall {
         prim,
         inputs: slots.inputs.into(),
@@ -303,81 +271,10 @@ fn compose_inputs(
         for (place, value) in pieces {
             reals[place] = consts::fold(cx, value)?.first()?.as_real()?;
         }
-        let ty = port_ty(port.ty);
+        let ty = prim_ports::port_ty(port.ty);
         slots.inputs[k] = Some(cx.add(Kind::Literal(make(&reals)), ty, span));
     }
     Some(())
-}
-
-/// Returns the type of a primitive's only out-port, or a tuple of all out-ports by name.
-fn prim_type(cx: &mut Body<'_, '_>, desc: &'static PrimDesc, slots: &Slots, span: Span) -> Ty {
-    let mut members = Vec::with_capacity(desc.outputs.len());
-    for (k, port) in desc.outputs.iter().enumerate() {
-        let ty = match port.ty {
-            PortType::One(scalar) => scalar_ty(scalar),
-            _ => sized_output_type(cx, desc, slots, k, span),
-        };
-        members.push(Member {
-            name: Some(port.name.into()),
-            ty,
-        });
-    }
-    match &members[..] {
-        [one] => one.ty.clone(),
-        _ => Ty::Tuple(members.into()),
-    }
-}
-
-fn sized_output_type(
-    cx: &mut Body<'_, '_>,
-    desc: &'static PrimDesc,
-    slots: &Slots,
-    port: usize,
-    span: Span,
-) -> Ty {
-    let inputs: Vec<Option<Type>> = slots
-        .inputs
-        .iter()
-        .map(|id| machine_type(cx.ty_of((*id)?)))
-        .collect();
-    let mut params = Vec::new();
-    for (given, param) in slots.params.iter().zip(desc.params) {
-        let value = match given {
-            Some(id) => param_value(cx, *id, param.ty),
-            None => param_default(param),
-        };
-        match value {
-            Some(value) => params.push(value),
-            None => return Ty::Unknown,
-        }
-    }
-    let args = ShapeArgs {
-        inputs: &inputs,
-        params: &params,
-    };
-    match desc.out_type(port, &args) {
-        Some(ty) => flow_type(ty),
-        None => {
-            let finding = Finding::new(
-                Code::RPI2009,
-                format!("size mismatch in the arguments of `{}`", desc.name),
-            )
-            .at(span, "cannot infer the size of its result");
-            report::report_diagnostic(cx, finding);
-            Ty::Unknown
-        }
-    }
-}
-
-fn param_value(cx: &mut Body<'_, '_>, id: ExprId, ty: ParamType) -> Option<Value> {
-    if matches!(ty, ParamType::Str) {
-        return Some(Value::Str(String::new()));
-    }
-    let leaves = consts::fold(cx, id)?;
-    match ty {
-        ParamType::Array(scalar) => Some(packed(scalar, &leaves)),
-        _ => leaves.first().cloned(),
-    }
 }
 
 /// Checks the body of a declared primitive: the registered primitive between typed ports.
@@ -428,7 +325,7 @@ fn define_outputs(cx: &mut Body<'_, '_>, value: ExprId, desc: &'static PrimDesc)
     let span = cx.span_of(value);
     let parts = match desc.outputs.len() {
         1 => vec![value],
-        _ => args::tuple_elements(cx, value),
+        _ => arg_tuples::tuple_elements(cx, value),
     };
     for flow in cx.unit.outputs.clone() {
         let declared = cx.unit.flow(flow);
@@ -496,90 +393,4 @@ fn no_name(desc: &PrimDesc, name: &Ident) -> Finding {
         near,
     )
     .help(format!("its ports and parameters are {}", listed(names)))
-}
-
-fn port_accepts(port: PortType, ty: &Ty) -> bool {
-    match (port, ty) {
-        (PortType::One(scalar), ty) => ty.scalar() == Some(scalar),
-        (PortType::Array(scalar), Ty::Array(element, _)) => element.scalar() == Some(scalar),
-        (PortType::Matrix, Ty::Array(row, _)) => {
-            matches!(&**row, Ty::Array(element, _) if element.scalar() == Some(Scalar::Real))
-        }
-        _ => false,
-    }
-}
-
-pub(crate) fn port_ty(port: PortType) -> Ty {
-    match port {
-        PortType::One(scalar) => scalar_ty(scalar),
-        PortType::Array(_) | PortType::Matrix => Ty::Unknown,
-    }
-}
-
-fn port_text(port: PortType) -> String {
-    match port {
-        PortType::One(scalar) => format!("`{scalar}`"),
-        PortType::Array(scalar) => format!("an array of `{scalar}`"),
-        PortType::Matrix => "a matrix of reals".to_owned(),
-    }
-}
-
-/// Returns the type of a machine value without unit and frames.
-pub(crate) fn scalar_ty(scalar: Scalar) -> Ty {
-    match scalar {
-        Scalar::Bool => Ty::Bool,
-        Scalar::Int => Ty::Int,
-        Scalar::Real => Ty::REAL,
-        Scalar::Time => Ty::Time,
-        spatial => Ty::spatial(spatial),
-    }
-}
-
-fn flow_type(ty: Type) -> Ty {
-    match ty {
-        Type::One(scalar) => scalar_ty(scalar),
-        Type::Array(scalar, n) => Ty::Array(Rc::new(scalar_ty(scalar)), n),
-        Type::Matrix(rows, cols) => Ty::Array(Rc::new(Ty::Array(Rc::new(Ty::REAL), cols)), rows),
-    }
-}
-
-/// Returns the machine type of a value that a port of a primitive can take; `None` for other types.
-pub(crate) fn machine_type(ty: &Ty) -> Option<Type> {
-    if let Some(scalar) = ty.scalar() {
-        return Some(Type::One(scalar));
-    }
-    match ty {
-        Ty::Array(row, rows) => match &**row {
-            Ty::Array(_, cols) => Some(Type::Matrix(*rows, *cols)),
-            element => Some(Type::Array(element.scalar()?, *rows)),
-        },
-        _ => None,
-    }
-}
-
-/// Returns the default value of a parameter; `None` if it has none.
-pub(crate) fn param_default(param: &rpi_image::Param) -> Option<Value> {
-    match param.ty {
-        ParamType::One(scalar) => param.default.value(Type::One(scalar)),
-        ParamType::Array(scalar) => param.default.value(Type::Array(scalar, 0)),
-        ParamType::Str => param
-            .default
-            .value(Type::One(Scalar::Bool))
-            .map(|value| match value {
-                Value::Str(text) => Value::Str(text),
-                Value::Cells { .. } => Value::Str(String::new()),
-            }),
-    }
-}
-
-/// Packs leaves into one array value.
-pub(crate) fn packed(scalar: Scalar, leaves: &[Leaf]) -> Value {
-    let n = u32::try_from(leaves.len()).unwrap_or(u32::MAX);
-    Value::Cells {
-        ty: Type::Array(scalar, n),
-        cells: leaves
-            .iter()
-            .flat_map(|leaf| leaf.cells().iter().copied())
-            .collect(),
-    }
 }

@@ -5,7 +5,7 @@ use crate::check::bodies::locals;
 use crate::check::exprs::access::names_of;
 use crate::check::exprs::expr;
 use crate::check::exprs::names::plain_name;
-use crate::check::types;
+use crate::check::types::type_decls;
 use crate::program::{Lookup, Space};
 use crate::ty::{StructTy, Ty};
 use crate::typed::{ExprId, Kind};
@@ -59,7 +59,7 @@ pub(crate) fn suggest_struct_literal<'a>(
     let Some(told) = told.map(|told| told.clone()) else {
         return cx.fault(span);
     };
-    let Ty::Struct(ty) = types::type_decl(cx.c, id) else {
+    let Ty::Struct(ty) = type_decls::type_decl(cx.c, id) else {
         return cx.fault(span);
     };
     let form = names_of(&ty.fields).map(|field| format!("{field} = ..."));

@@ -4,37 +4,23 @@ use crate::check::bodies::automaton;
 use crate::check::bodies::body::Body;
 use crate::check::bodies::locals;
 use crate::check::bodies::locals::Local;
-use crate::check::bodies::statement;
-use crate::check::diagnostics::precedence_hints;
 use crate::check::diagnostics::report;
-use crate::check::diagnostics::report::Wanted;
 use crate::check::diagnostics::report::listed;
 use crate::check::diagnostics::report::no_member;
 use crate::check::exprs::expr;
+use crate::check::exprs::indexing;
 use crate::check::exprs::names;
 use crate::check::exprs::names::plain_name;
 use crate::check::exprs::spatial_parts;
-use crate::check::signatures::unit;
-use crate::check::types;
 use crate::check::types::consts;
-use crate::check::types::is_foreign;
+use crate::check::types::type_decls;
 use crate::program::{DeclKind, Lookup};
 use crate::ty::{DevicePortTy, DeviceTy, Member, Subst, Ty};
-use crate::typed::{BlockId, ExprId, FlowId, Kind, Leaf, Place};
+use crate::typed::{BlockId, ExprId, FlowId, Kind, Place};
 use rpi_diag::{Code, Finding, Fix, Span};
 use rpi_syntax::Name;
-use rpi_syntax::ast::{self, Access, ExprKind, Field, Ident, Index, Slice, SliceOf};
+use rpi_syntax::ast::{self, Access, ExprKind, Field, Ident};
 use std::rc::Rc;
-
-/// Slice of an array with bounds that are known at compile time.
-struct Range {
-    /// Index of the first element.
-    from: u32,
-    /// Distance between two elements; negative in a descending slice.
-    step: i32,
-    /// Number of elements.
-    len: u32,
-}
 
 /// Returns the name of a value in messages: its type, or "this call" for the outputs of a call.
 fn owner(ty: &Ty) -> String {
@@ -103,7 +89,7 @@ fn enum_value_by_field(cx: &mut Body<'_, '_>, name: &Name, field: &Field) -> Opt
     {
         return None;
     }
-    let Ty::Enum(ty) = types::type_decl(cx.c, id) else {
+    let Ty::Enum(ty) = type_decls::type_decl(cx.c, id) else {
         return None;
     };
     let value = &field.field;
@@ -132,7 +118,7 @@ pub(crate) fn enum_value_by_path(cx: &mut Body<'_, '_>, name: &Name, span: Span)
     if !matches!(cx.c.program.decl(id).kind, DeclKind::Type(_)) {
         return None;
     }
-    let Ty::Enum(ty) = types::type_decl(cx.c, id) else {
+    let Ty::Enum(ty) = type_decls::type_decl(cx.c, id) else {
         return None;
     };
     if !ty.values.iter().any(|known| known == value) {
@@ -331,162 +317,6 @@ pub(crate) fn actuator_target<'a>(
     )
 }
 
-/// Checks `base[index]`.
-pub(crate) fn index_access<'a>(cx: &mut Body<'_, 'a>, index: &'a Index, span: Span) -> ExprId {
-    let base = expr::check_expr(cx, &index.base);
-    if precedence_hints::is_unit_index(cx, base, &index.index) {
-        return precedence_hints::unit_after_flow(cx, base, &index.index, span);
-    }
-    let at = expr::check_expr(cx, &index.index);
-    if is_foreign(cx.ty_of(base), &["map<"]) {
-        check_map_key(cx, base, at);
-        return report_not_an_array(cx, base, span);
-    }
-    statement::expect_type(
-        cx,
-        at,
-        &Ty::Int,
-        &Wanted::By(Span::NONE, "an index must be an integer".into()),
-    );
-    if let Ty::Tuple(members) = cx.ty_of(base).clone()
-        && !unit::reads_rpi_syntax(cx)
-        && members.iter().all(|member| member.name.is_none())
-    {
-        return tuple_index(cx, base, at, &members, span);
-    }
-    let Ty::Array(element, n) = cx.ty_of(base).clone() else {
-        return report_not_an_array(cx, base, span);
-    };
-    match const_int(cx, at) {
-        Some(k) => match checked_index(cx, k, n, cx.span_of(at)) {
-            Some(k) => {
-                let at = k * leaves(&element);
-                cx.add(Kind::Part { base, at }, (*element).clone(), span)
-            }
-            None => cx.fault(span),
-        },
-        None => cx.add(Kind::Select { base, index: at }, (*element).clone(), span),
-    }
-}
-
-/// Checks `t[0]` of a Kind 2 tuple. The index must be constant, as each element has a type of its own.
-fn tuple_index(
-    cx: &mut Body<'_, '_>,
-    base: ExprId,
-    at: ExprId,
-    members: &[crate::ty::Member],
-    span: Span,
-) -> ExprId {
-    let Some(k) = consts::fold(cx, at).and_then(|leaves| leaves.first()?.as_int()) else {
-        return cx.fault(span);
-    };
-    let count = u32::try_from(members.len()).unwrap_or(u32::MAX);
-    let Some(k) = checked_index(cx, k, count, cx.span_of(at)) else {
-        return cx.fault(span);
-    };
-    let before = &members[..k as usize];
-    let from = before.iter().map(|member| leaves(&member.ty)).sum();
-    let ty = members[k as usize].ty.clone();
-    cx.add(Kind::Part { base, at: from }, ty, span)
-}
-
-/// Returns the value of an integer expression if it is known at compile time.
-pub(crate) fn const_int(cx: &mut Body<'_, '_>, id: ExprId) -> Option<i64> {
-    match &cx.unit.expr(id).kind {
-        Kind::Literal(value) => value.as_int(),
-        Kind::Flow(_) if cx.unit.kind != crate::typed::UnitKind::Constant => None,
-        _ => consts::fold_silently(cx, id)?
-            .first()
-            .and_then(Leaf::as_int),
-    }
-}
-
-/// Reports a key whose type is not the key type of the Kind 2 map.
-fn check_map_key(cx: &mut Body<'_, '_>, base: ExprId, at: ExprId) {
-    let found = cx.ty_of(at).clone();
-    let Ty::Struct(map) = cx.ty_of(base) else {
-        return;
-    };
-    let args = map.name.strip_prefix("map<").unwrap_or_default();
-    let wanted = key_type(args).to_owned();
-    if !found.is_unknown() && found.to_string() != wanted {
-        let message = format!("expected `{wanted}`, found `{found}`");
-        let finding = Finding::new(Code::RPI2001, message)
-            .at(cx.span_of(at), format!("this is `{found}`"))
-            .also(cx.span_of(base), "the map");
-        report::report_diagnostic(cx, finding);
-    }
-}
-
-fn report_not_an_array(cx: &mut Body<'_, '_>, base: ExprId, span: Span) -> ExprId {
-    let ty = cx.ty_of(base).clone();
-    // No error for the element of a Kind 2 map: the map itself has been reported as not executable.
-    if ty.is_unknown() || is_foreign(&ty, &["map<"]) {
-        return cx.fault(span);
-    }
-    let finding = Finding::new(Code::RPI2006, "only arrays can be indexed")
-        .at(cx.span_of(base), format!("this is `{ty}`"))
-        .help("the value of the previous cycle is `pre x`, with an initial value `0 -> pre x`");
-    cx.fault_with(finding, span)
-}
-
-/// Returns an array index as `u32`; reports an index that is out of bounds.
-pub(crate) fn checked_index(cx: &mut Body<'_, '_>, k: i64, n: u32, span: Span) -> Option<u32> {
-    let index = u32::try_from(k).ok().filter(|k| *k < n);
-    if index.is_none() {
-        let finding = Finding::new(Code::RPI2009, format!("index {k} is out of bounds")).at(
-            span,
-            format!(
-                "the array has {}, counted from 0",
-                rpi_diag::counted(n, "element")
-            ),
-        );
-        report::report_diagnostic(cx, finding);
-    }
-    index
-}
-
-/// Checks `base[from..to step s]`.
-pub(crate) fn slice_access<'a>(cx: &mut Body<'_, 'a>, slice: &'a SliceOf, span: Span) -> ExprId {
-    let base = expr::check_expr(cx, &slice.base);
-    let Ty::Array(element, n) = cx.ty_of(base).clone() else {
-        return report_not_an_array(cx, base, span);
-    };
-    let Some(range) = slice_range(cx, &slice.slice, n, span) else {
-        return cx.fault(span);
-    };
-    let ty = Ty::Array(element, range.len);
-    let (from, step) = (range.from, range.step);
-    cx.add(Kind::Slice { base, from, step }, ty, span)
-}
-
-fn slice_range<'a>(cx: &mut Body<'_, 'a>, slice: &'a Slice, n: u32, span: Span) -> Option<Range> {
-    let (from, to) = (
-        consts::const_integer(cx, &slice.from)?,
-        consts::const_integer(cx, &slice.to)?,
-    );
-    let step = match &slice.step {
-        Some(step) => consts::const_integer(cx, step)?,
-        None => 1,
-    };
-    let (first, last) = (
-        checked_index(cx, from, n, slice.from.span)?,
-        checked_index(cx, to, n, slice.to.span)?,
-    );
-    let distance = i64::from(last) - i64::from(first);
-    if step == 0 || (distance != 0 && distance.signum() != step.signum()) {
-        let finding = Finding::new(Code::RPI2009, "the slice never reaches its end")
-            .at(span, format!("from {from} to {to} in steps of {step}"));
-        report::report_diagnostic(cx, finding);
-        return None;
-    }
-    Some(Range {
-        from: first,
-        step: i32::try_from(step).ok()?,
-        len: u32::try_from(distance / step + 1).ok()?,
-    })
-}
-
 /// Returns the first leaf and the type of the part that a path of fields, elements and slices selects in a value of
 /// type `ty` that starts at leaf `at`.
 pub(crate) fn resolve_path<'a>(
@@ -505,12 +335,16 @@ pub(crate) fn resolve_path<'a>(
         (Access::Field(field), _) => resolve_field(cx, ty, field)?,
         (Access::Index(index), Ty::Array(element, n)) => {
             let k = consts::const_integer(cx, index)?;
-            let k = checked_index(cx, k, *n, index.span)?;
+            let k = indexing::checked_index(cx, k, *n, index.span)?;
             (k * leaves(element), (**element).clone())
         }
-        (Access::Slice(slice), Ty::Array(element, n)) => resolve_slice(cx, element, *n, slice)?,
-        (Access::Index(ast::Expr { span, .. }), _) => return not_indexable(cx, ty, *span),
-        (Access::Slice(slice), _) => return not_indexable(cx, ty, slice.from.span),
+        (Access::Slice(slice), Ty::Array(element, n)) => {
+            indexing::resolve_slice(cx, element, *n, slice)?
+        }
+        (Access::Index(ast::Expr { span, .. }), _) => {
+            return indexing::not_indexable(cx, ty, *span);
+        }
+        (Access::Slice(slice), _) => return indexing::not_indexable(cx, ty, slice.from.span),
     };
     resolve_path(cx, &inner, at + offset, rest)
 }
@@ -525,50 +359,6 @@ pub(crate) fn resolve_field(cx: &mut Body<'_, '_>, ty: &Ty, field: &Ident) -> Op
         report::report_diagnostic(cx, finding);
     }
     found
-}
-
-fn resolve_slice<'a>(
-    cx: &mut Body<'_, 'a>,
-    element: &Rc<Ty>,
-    n: u32,
-    slice: &'a Slice,
-) -> Option<(u32, Ty)> {
-    let span = slice.from.span.merge(slice.to.span);
-    let range = slice_range(cx, slice, n, span)?;
-    if range.step != 1 {
-        let finding = Finding::new(
-            Code::RPI2009,
-            "only adjacent elements can be defined together",
-        )
-        .at(span, format!("a step of {}", range.step));
-        report::report_diagnostic(cx, finding);
-        return None;
-    }
-    Some((
-        range.from * leaves(element),
-        Ty::Array(element.clone(), range.len),
-    ))
-}
-
-fn not_indexable(cx: &mut Body<'_, '_>, ty: &Ty, span: Span) -> Option<(u32, Ty)> {
-    let finding = Finding::new(Code::RPI2006, "only arrays can be indexed")
-        .at(span, format!("this indexes `{ty}`"));
-    report::report_diagnostic(cx, finding);
-    None
-}
-
-/// Returns the first of the types between `map<` and `>`. Commas inside brackets belong to a type.
-fn key_type(args: &str) -> &str {
-    let mut depth = 0;
-    let end = args.find(|c| {
-        depth += match c {
-            '<' | '(' | '[' => 1,
-            '>' | ')' | ']' => -1,
-            _ => 0,
-        };
-        c == ',' && depth == 0
-    });
-    end.map_or(args, |end| &args[..end])
 }
 
 /// Returns the number of leaves of a type, saturating, for use as an offset.

@@ -10,6 +10,7 @@ use crate::check::exprs::access;
 use crate::check::exprs::bindings;
 use crate::check::exprs::clocked;
 use crate::check::exprs::compose;
+use crate::check::exprs::indexing;
 use crate::check::exprs::match_expr;
 use crate::check::exprs::names;
 use crate::check::exprs::ops;
@@ -49,8 +50,8 @@ fn check_expr_kind<'a>(cx: &mut Body<'_, 'a>, expr: &'a ast::Expr) -> ExprId {
         ExprKind::Str(text) => cx.add(Kind::Literal(Leaf::Str(text.to_string())), Ty::Text, span),
         ExprKind::Name(name) => names::resolve_name(cx, name, span),
         ExprKind::Field(field) => access::field_access(cx, field, span),
-        ExprKind::Index(index) => access::index_access(cx, index, span),
-        ExprKind::Slice(slice) => access::slice_access(cx, slice, span),
+        ExprKind::Index(index) => indexing::index_access(cx, index, span),
+        ExprKind::Slice(slice) => indexing::slice_access(cx, slice, span),
         ExprKind::Bits(of) => machine_int::bit_slice(cx, of, span),
         ExprKind::Unary(op, operand) => ops::unary(cx, *op, operand, span),
         ExprKind::Binary(binary) => ops::check_binary(cx, binary, span),

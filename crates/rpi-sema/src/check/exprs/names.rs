@@ -17,9 +17,9 @@ use crate::check::exprs::access;
 use crate::check::exprs::bindings;
 use crate::check::signatures::static_args::Static;
 use crate::check::signatures::unit;
-use crate::check::types;
 use crate::check::types::consts;
 use crate::check::types::data;
+use crate::check::types::type_decls;
 use crate::program::{Decl, DeclId, DeclKind, Lookup, Space};
 use crate::ty::Ty;
 use crate::typed::{BlockId, ExprId, FlowId, Kind, Leaf, UnitKind};
@@ -174,7 +174,7 @@ fn resolve_declared(cx: &mut Body<'_, '_>, id: DeclId, span: Span) -> ExprId {
             None => cx.fault(span),
         },
         DeclKind::EnumValue { ty, index } => {
-            let ty = types::type_decl(cx.c, ty);
+            let ty = type_decls::type_decl(cx.c, ty);
             cx.add(Kind::Literal(Leaf::int(index.into())), ty, span)
         }
         DeclKind::Constructor { ty, index } => {

@@ -14,27 +14,24 @@ use crate::check::exprs::expr;
 use crate::check::exprs::guess::binary_guess;
 use crate::check::exprs::guess::guess_by_number;
 use crate::check::exprs::guess::unary_guess;
+use crate::check::exprs::operand_types;
 use crate::check::exprs::proof_only;
-use crate::check::types::consts;
 use crate::check::types::exact_time;
-use crate::check::types::frames;
 use crate::check::types::machine_int;
 use crate::check::types::quantity;
 use crate::check::types::{FOREIGN, is_foreign};
-use crate::ty::{Geometry, Ty, join};
-use crate::typed::{Each, ExprId, Kind, Leaf, Unit, UnitKind};
-use crate::units::{Dim, Ratio};
+use crate::ty::Ty;
+use crate::typed::{Each, ExprId, Kind, UnitKind};
 use rpi_diag::{Code, Finding, Span};
 use rpi_image::Scalar;
 use rpi_net::prim;
 use rpi_prims::PrimId;
 use rpi_syntax::ast::{self, Binary, ExprKind};
-use rpi_syntax::ops::{BinaryOp, Grouping, UnaryOp};
-use std::rc::Rc;
+use rpi_syntax::ops::{BinaryOp, UnaryOp};
 
 /// Rule that derives the result type of an operator from its operand types.
 #[derive(Clone, Copy, PartialEq, Debug)]
-enum Rule {
+pub(crate) enum Rule {
     /// Operands of the same type; the result has this type, too.
     Same,
     /// Operands of the same type; the result is a Boolean.
@@ -54,14 +51,14 @@ enum Rule {
 }
 
 /// Overload of an operator: the primitive for operands of given machine types.
-struct Row {
-    op: BinaryOp,
-    left: Scalar,
-    right: Scalar,
-    prim: PrimId,
+pub(crate) struct Row {
+    pub(crate) op: BinaryOp,
+    pub(crate) left: Scalar,
+    pub(crate) right: Scalar,
+    pub(crate) prim: PrimId,
     /// Whether the primitive takes the right operand first.
-    swapped: bool,
-    rule: Rule,
+    pub(crate) swapped: bool,
+    pub(crate) rule: Rule,
 }
 
 const fn row(
@@ -204,7 +201,7 @@ pub(crate) fn unary_prim(
     }
     let kind = match &ty {
         Ty::Duration => Some(Int),
-        ty => operand_kind(ty),
+        ty => operand_types::operand_kind(ty),
     };
     let row = UNARY.iter().find(|row| row.0 == op && Some(row.1) == kind);
     match row {
@@ -257,7 +254,7 @@ pub(crate) fn check_binary<'a>(cx: &mut Body<'_, 'a>, binary: &'a Binary, span: 
             if TESTS.contains(&op) && is_invalid_sample(cx, &binary.lhs, left) {
                 return cx.fault(span);
             }
-            if is_chained(binary) {
+            if operand_types::is_chained(binary) {
                 return cx.add(Kind::Fault, Ty::Bool, span);
             }
             if let Some(meant) =
@@ -276,48 +273,6 @@ fn is_invalid_sample(cx: &Body<'_, '_>, lhs: &ast::Expr, left: ExprId) -> bool {
     matches!(lhs.kind, ExprKind::When(_)) && matches!(cx.unit.expr(left).kind, Kind::Fault)
 }
 
-/// Whether an expression is the integer 0: a literal, or one operation on literals.
-fn is_zero(cx: &mut Body<'_, '_>, id: ExprId) -> bool {
-    let literal = |unit: &Unit, id: ExprId| matches!(unit.expr(id).kind, Kind::Literal(_));
-    let known = match &cx.unit.expr(id).kind {
-        Kind::Literal(_) => true,
-        Kind::Prim(call) => {
-            let mut inputs = call.inputs.iter().flatten();
-            inputs.all(|input| literal(&cx.unit, *input))
-        }
-        _ => false,
-    };
-    let value = known.then(|| consts::try_fold(cx, id).ok()).flatten();
-    value.is_some_and(|leaves| leaves.first().and_then(Leaf::as_int) == Some(0))
-}
-
-fn division_by_zero(cx: &mut Body<'_, '_>, op: BinaryOp, divisor: ExprId) {
-    let message = format!("`{}` by zero is undefined", op.spelling());
-    let finding = Finding::new(Code::RPI2012, message)
-        .at(cx.span_of(divisor), "this is 0 in every cycle")
-        .help("use a divisor other than 0");
-    report::report_diagnostic(cx, finding);
-}
-
-/// Extends the fix that writes the first integer of `x * 2 + 1` as a real to the other integers of the expression.
-fn extend_real_fix(cx: &mut Body<'_, '_>, left: ExprId, right: ExprId) {
-    let is_int =
-        |body: &Body, id| report::is_number_literal(body, id) && *body.ty_of(id) == Ty::Int;
-    let (faulty, int) = match (is_int(cx, left), is_int(cx, right)) {
-        (false, true) => (cx.span_of(left), cx.span_of(right)),
-        (true, false) => (cx.span_of(right), cx.span_of(left)),
-        _ => return,
-    };
-    let Some(finding) = cx.made_real.and_then(|at| cx.findings.get_mut(at)) else {
-        return;
-    };
-    let place = finding.span();
-    let is_inside = place.start >= faulty.start && place.end <= faulty.end;
-    if let Some(fix) = finding.fixes.first_mut().filter(|_| is_inside) {
-        *fix = fix.clone().insert_after(int, ".0");
-    }
-}
-
 /// Checks a binary operator on checked operands.
 pub(crate) fn binary_prim(
     cx: &mut Body<'_, '_>,
@@ -327,11 +282,11 @@ pub(crate) fn binary_prim(
     span: Span,
 ) -> ExprId {
     if matches!(op, BinaryOp::Eq | BinaryOp::Ne) {
-        return equality(cx, op, left, right, span);
+        return operand_types::equality(cx, op, left, right, span);
     }
     let (a, b) = (cx.ty_of(left).clone(), cx.ty_of(right).clone());
     if a.is_unknown() || b.is_unknown() {
-        extend_real_fix(cx, left, right);
+        operand_types::extend_real_fix(cx, left, right);
         let guess = guess_by_number(cx.guesses, op, &a, &b);
         let guess = guess.unwrap_or_else(|| binary_guess(op, &a, &b));
         // After errors on both sides, of arrays for instance, the result type cannot be guessed.
@@ -351,17 +306,20 @@ pub(crate) fn binary_prim(
         return of_times;
     }
     let (a, b) = (cx.ty_of(left).clone(), cx.ty_of(right).clone());
-    let kinds = (operand_kind(&a), operand_kind(&b));
+    let kinds = (
+        operand_types::operand_kind(&a),
+        operand_types::operand_kind(&b),
+    );
     let fits = |row: &&Row| row.op == op && (Some(row.left), Some(row.right)) == kinds;
     let Some(row) = BINARY.iter().find(fits) else {
         return unsupported_operands(cx, op, left, right, span);
     };
     // The evaluation of a constant reports the division by zero itself.
     let is_run = cx.unit.kind != UnitKind::Constant;
-    if is_run && DIVISIONS.contains(&row.prim) && is_zero(cx, right) {
-        division_by_zero(cx, op, right);
+    if is_run && DIVISIONS.contains(&row.prim) && operand_types::is_zero(cx, right) {
+        operand_types::division_by_zero(cx, op, right);
     }
-    let ty = result_type(cx, row, left, right);
+    let ty = operand_types::result_type(cx, row, left, right);
     if ty.is_unknown() {
         return cx.fault(span);
     }
@@ -381,138 +339,6 @@ pub(crate) fn logical_prim(
     span: Span,
 ) -> ExprId {
     prim::add_prim(cx, prim, operands, Ty::Bool, span)
-}
-
-fn result_type(cx: &mut Body<'_, '_>, row: &Row, left: ExprId, right: ExprId) -> Ty {
-    let (a, b) = (cx.ty_of(left).clone(), cx.ty_of(right).clone());
-    match row.rule {
-        Rule::Same => common_operand_type(cx, row.op, left, right),
-        Rule::Test => {
-            common_operand_type(cx, row.op, left, right);
-            Ty::Bool
-        }
-        Rule::Times => scaled_type(cx, &a, &b, Dim::times, left),
-        Rule::Over => scaled_type(cx, &a, &b, Dim::over, left),
-        Rule::Power => power_type(cx, &a, left, right),
-        Rule::Compose => frames::composed_pose_type(cx, left, right),
-        Rule::Moment => {
-            statement::expect_type(cx, right, &Ty::Real(Dim::TIME), &Wanted::Here);
-            Ty::Time
-        }
-        Rule::Seconds => Ty::Real(Dim::TIME),
-    }
-}
-
-fn common_operand_type(cx: &mut Body<'_, '_>, op: BinaryOp, left: ExprId, right: ExprId) -> Ty {
-    exact_time::unify_times(cx, left, right);
-    let (a, b) = (cx.ty_of(left).clone(), cx.ty_of(right).clone());
-    match (join(&a, &b), &a, &b) {
-        (Ok(ty), ..) => {
-            expr::check_angle_unit(cx, left, &ty);
-            expr::check_angle_unit(cx, right, &ty);
-            ty
-        }
-        (Err(_), Ty::Real(_), Ty::Real(_)) => {
-            let sides = (
-                report::measured_value(cx, left),
-                report::measured_value(cx, right),
-            );
-            report::report_diagnostic(cx, quantity::apart(op.spelling(), sides.0, sides.1));
-            Ty::Unknown
-        }
-        (Err(misfit), ..) => {
-            let wanted = Wanted::By(cx.span_of(left), format!("this is `{a}`"));
-            report::type_mismatch(cx, right, &a, &misfit, &wanted);
-            Ty::Unknown
-        }
-    }
-}
-
-/// Returns the type of a product or quotient; `combine` multiplies or divides the dimensions.
-fn scaled_type(
-    cx: &mut Body<'_, '_>,
-    a: &Ty,
-    b: &Ty,
-    combine: fn(Dim, Dim) -> Option<Dim>,
-    at: ExprId,
-) -> Ty {
-    let dims = (dim_of(a), dim_of(b));
-    let dim = match dims {
-        (Some(a), Some(b)) => combine(a, b),
-        _ => None,
-    };
-    let spatial = [a, b].into_iter().find_map(|ty| match ty {
-        Ty::Spatial(scalar, geometry) => Some((*scalar, geometry)),
-        _ => None,
-    });
-    match (spatial, dim) {
-        (Some((scalar, geometry)), dim) => {
-            let geometry = Geometry {
-                dim,
-                ..(**geometry).clone()
-            };
-            Ty::Spatial(scalar, Rc::new(geometry))
-        }
-        (None, Some(dim)) => Ty::Real(dim),
-        (None, None) => {
-            let finding = Finding::new(Code::RPI2002, "exponent of a dimension out of range")
-                .at(cx.span_of(at), "too many factors");
-            report::report_diagnostic(cx, finding);
-            Ty::Unknown
-        }
-    }
-}
-
-fn power_type(cx: &mut Body<'_, '_>, base: &Ty, left: ExprId, right: ExprId) -> Ty {
-    statement::expect_type(
-        cx,
-        right,
-        &Ty::REAL,
-        &Wanted::By(Span::NONE, "an exponent has no unit".into()),
-    );
-    let dim = dim_of(base).unwrap_or(Dim::ONE);
-    if dim.is_plain() {
-        return Ty::REAL;
-    }
-    let exponent = consts::fold_silently(cx, right).and_then(|leaves| leaves.first()?.as_real());
-    let power = exponent.and_then(Ratio::of_real).and_then(|e| dim.power(e));
-    power.map_or_else(
-        || {
-            let finding = Finding::new(
-                Code::RPI2002,
-                format!("cannot infer the dimension of a power of `{dim}`"),
-            )
-            .at(
-                cx.span_of(right),
-                "the exponent must be a constant small fraction",
-            )
-            .also(cx.span_of(left), format!("this is in `{dim}`"));
-            report::report_diagnostic(cx, finding);
-            Ty::Unknown
-        },
-        Ty::Real,
-    )
-}
-
-fn equality(
-    cx: &mut Body<'_, '_>,
-    op: BinaryOp,
-    left: ExprId,
-    right: ExprId,
-    span: Span,
-) -> ExprId {
-    let ty = common_operand_type(cx, op, left, right);
-    if matches!(ty, Ty::Device(_) | Ty::Text) {
-        let finding = Finding::new(
-            Code::RPI2006,
-            format!("`{}` cannot take `{ty}`", op.spelling()),
-        )
-        .at(cx.span_of(left), format!("this is `{ty}`"));
-        return cx.fault_with(finding, span);
-    }
-    let negated = op == BinaryOp::Ne;
-    let operands = [left, right];
-    cx.add(Kind::Equal { operands, negated }, Ty::Bool, span)
 }
 
 /// Checks `a fby b`, which is `a -> pre b`.
@@ -547,31 +373,4 @@ pub(crate) fn unsupported_operands(
     let with_number = [left, right].into_iter().any(is_int_number);
     cx.made_real = (with_number && finding.fixes.len() == 1).then_some(cx.findings.len());
     cx.fault_with(finding, span)
-}
-
-/// Whether this is a chained comparison `a < b < c`, which the parser has reported.
-fn is_chained(binary: &Binary) -> bool {
-    let single = |op: BinaryOp| op.grouping() == Grouping::None;
-    match &binary.lhs.kind {
-        ExprKind::Binary(inner) => single(binary.op) && single(inner.op),
-        _ => false,
-    }
-}
-
-/// Returns the machine type for the lookup of operators; `None` for enums, results, machine integers and durations.
-fn operand_kind(ty: &Ty) -> Option<Scalar> {
-    match ty {
-        Ty::Enum(_) | Ty::Result | Ty::Machine(_) | Ty::Duration => None,
-        other => other.scalar(),
-    }
-}
-
-/// Returns the dimension of a factor, dividend or divisor; `None` if its type has no single dimension.
-fn dim_of(ty: &Ty) -> Option<Dim> {
-    match ty {
-        Ty::Real(dim) => Some(*dim),
-        Ty::Spatial(_, geometry) => geometry.dim,
-        Ty::Int => Some(Dim::ONE),
-        _ => None,
-    }
 }

@@ -11,6 +11,7 @@ use crate::check::exprs::access;
 use crate::check::exprs::access::leaves;
 use crate::check::exprs::compose;
 use crate::check::exprs::expr;
+use crate::check::exprs::indexing;
 use crate::check::exprs::proof_only;
 use crate::check::exprs::proof_only::SETS;
 use crate::check::exprs::spatial_parts;
@@ -125,10 +126,10 @@ fn replace_at_path<'a>(cx: &mut Body<'_, 'a>, base: ExprId, part: &Part<'a>) -> 
     if let (Access::Index(index), Ty::Array(element, n)) = (first, &ty) {
         let at = expr::check_expr(cx, index);
         let is_int = statement::expect_type(cx, at, &Ty::Int, &Wanted::Here);
-        return match access::const_int(cx, at) {
+        return match indexing::const_int(cx, at) {
             _ if !is_int => None,
             Some(k) => {
-                let k = access::checked_index(cx, k, *n, index.span)?;
+                let k = indexing::checked_index(cx, k, *n, index.span)?;
                 replace_at_leaf(cx, base, k * leaves(element), (**element).clone(), &inside)
             }
             None => replace_at_index(cx, base, at, &inside),
@@ -137,7 +138,7 @@ fn replace_at_path<'a>(cx: &mut Body<'_, 'a>, base: ExprId, part: &Part<'a>) -> 
     if let (Access::Index(index), Ty::Tuple(members)) = (first, &ty) {
         let count = u32::try_from(members.len()).unwrap_or(u32::MAX);
         let k = consts::const_integer(cx, index)?;
-        let k = access::checked_index(cx, k, count, index.span)?;
+        let k = indexing::checked_index(cx, k, count, index.span)?;
         let (before, rest) = members.split_at(k as usize);
         let at = before.iter().map(|member| leaves(&member.ty)).sum();
         return replace_at_leaf(cx, base, at, rest.first()?.ty.clone(), &inside);
@@ -185,7 +186,7 @@ fn replace_at_index<'a>(
         return None;
     };
     // An empty array has no element to replace, whatever the index.
-    access::checked_index(cx, 0, n, span)?;
+    indexing::checked_index(cx, 0, n, span)?;
     let numbers: Vec<ExprId> = (0..n).map(|k| index_literal(cx, k, span)).collect();
     let all = compose::add_array(
         cx,

@@ -8,17 +8,18 @@ use crate::check::calls::args::Given;
 use crate::check::calls::call;
 use crate::check::calls::callable::Callable;
 use crate::check::calls::callable::Fixed;
+use crate::check::calls::callee;
 use crate::check::exprs::names;
 use crate::check::signatures::header;
 use crate::check::signatures::header::Header;
 use crate::check::signatures::header::Port;
-use crate::check::signatures::static_args;
-use crate::check::signatures::static_args::Param;
 use crate::check::signatures::static_args::Statics;
 use crate::check::signatures::static_args::missing;
+use crate::check::signatures::static_params;
+use crate::check::signatures::static_params::Param;
 use crate::check::signatures::unit;
-use crate::check::types;
 use crate::check::types::PortTy;
+use crate::check::types::type_decls;
 use crate::program::DeclId;
 use crate::ty::Ty;
 use crate::typed::{Activation, ClockOn, Equation, FlowId, FlowRole, Place, Target};
@@ -103,14 +104,14 @@ pub(crate) fn is_cyclic_alias(checker: &mut Checker<'_>, id: DeclId) -> bool {
     let is_ring = checker.aliases.contains(&id);
     if is_ring {
         checker.ringed.extend(&checker.aliases);
-        types::report_dependency_cycle(checker, "node", id);
+        type_decls::report_dependency_cycle(checker, "node", id);
     }
     is_ring
 }
 
 /// Declares the ports of the alias: those of its target that no static argument fixes.
 pub(crate) fn declare_alias_ports<'a>(cx: &mut Body<'_, 'a>, callee: &'a Callee) {
-    let callable = call::resolve_callable(cx, &callee.name.name, &callee.statics, callee.span);
+    let callable = callee::resolve_callable(cx, &callee.name.name, &callee.statics, callee.span);
     let ports = callable.and_then(|callable| callable_ports(cx, &callable, callee.span));
     let Some(ports) = ports else {
         return;
@@ -201,9 +202,9 @@ fn unit_ports(
 ) -> Option<Ports> {
     let mut statics = statics.clone();
     let is_fixed = |name: &Name| fixed.iter().any(|(fixed, _)| fixed == name);
-    let mut open = static_args::add_default_statics(cx.c, id, &mut statics);
+    let mut open = static_params::add_default_statics(cx.c, id, &mut statics);
     open.retain(|name| !is_fixed(name));
-    let params = static_args::static_params_of(cx.c, id);
+    let params = static_params::static_params_of(cx.c, id);
     let is_type = |name: &Name| {
         let mut params = params.iter();
         params.any(|param| matches!(param, Param::Type(..)) && param.name().name == *name)
@@ -234,7 +235,7 @@ fn unit_ports(
 /// Checks the body of an alias: one call of the target that connects all in-ports and out-ports.
 pub(crate) fn check_alias<'a>(cx: &mut Body<'_, 'a>, callee: &'a Callee) {
     let span = callee.span;
-    let callable = call::resolve_callable(cx, &callee.name.name, &callee.statics, span);
+    let callable = callee::resolve_callable(cx, &callee.name.name, &callee.statics, span);
     let Some(callable) = callable.filter(|_| !cx.unit.outputs.is_empty()) else {
         return;
     };

@@ -6,10 +6,10 @@
 
 use crate::check::bodies::body::Body;
 use crate::check::diagnostics::report;
-use crate::check::signatures::static_args;
-use crate::check::signatures::static_args::Param;
 use crate::check::signatures::static_args::Static;
 use crate::check::signatures::static_args::Statics;
+use crate::check::signatures::static_params;
+use crate::check::signatures::static_params::Param;
 use crate::program::DeclId;
 use crate::ty::{StructTy, Ty};
 use crate::units::Dim;
@@ -129,7 +129,7 @@ pub(crate) fn check_constraints(
     statics: &Statics,
     span: Span,
 ) -> bool {
-    for param in static_args::static_params_of(cx.c, id) {
+    for param in static_params::static_params_of(cx.c, id) {
         let Param::Type(name, Some(constraint)) = param else {
             continue;
         };

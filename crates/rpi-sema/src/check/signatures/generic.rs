@@ -12,10 +12,10 @@ use crate::check::signatures::constraint::unknown;
 use crate::check::signatures::constraint::written;
 use crate::check::signatures::header;
 use crate::check::signatures::sample_check;
-use crate::check::signatures::static_args;
-use crate::check::signatures::static_args::Param;
 use crate::check::signatures::static_args::Static;
 use crate::check::signatures::static_args::Statics;
+use crate::check::signatures::static_params;
+use crate::check::signatures::static_params::Param;
 use crate::check::signatures::unit;
 use crate::hash::Set;
 use crate::program::DeclId;
@@ -73,7 +73,7 @@ pub(crate) fn check_generics(checker: &mut Checker<'_>) {
 
 /// Returns the type parameters of a declaration.
 fn type_params_of<'a>(checker: &Checker<'a>, id: DeclId) -> Vec<TypeParam<'a>> {
-    let types = static_args::static_params_of(checker, id)
+    let types = static_params::static_params_of(checker, id)
         .into_iter()
         .filter_map(|param| match param {
             Param::Type(name, constraint) => Some((name, constraint)),

@@ -10,9 +10,9 @@ use crate::check::limits::nesting;
 use crate::check::signatures::alias;
 use crate::check::signatures::instance::display;
 use crate::check::signatures::instance::key;
-use crate::check::signatures::static_args;
 use crate::check::signatures::static_args::Static;
 use crate::check::signatures::static_args::Statics;
+use crate::check::signatures::static_params;
 use crate::check::signatures::unit;
 use crate::check::types;
 use crate::check::types::PortTy;
@@ -117,7 +117,7 @@ pub(crate) fn node_param_header<'a>(
 ) -> Header {
     let mut ports = |decls: &'a Option<Vec<VarDecl>>, role| -> Vec<Port> {
         let decls = decls.as_deref().unwrap_or_default();
-        let types = static_args::signature_port_types(checker, id, statics, decls);
+        let types = static_params::signature_port_types(checker, id, statics, decls);
         let names = decls.iter().flat_map(|decl| {
             let has_default = decl.default.is_some();
             decl.names.iter().map(move |name| (name, has_default))
@@ -142,7 +142,7 @@ pub(crate) fn node_param_header<'a>(
 fn new_header(checker: &mut Checker<'_>, id: DeclId, statics: Rc<Statics>) -> Option<Header> {
     let decl = checker.program.decl(id);
     let (kind, span) = (kind_of(decl.kind)?, decl.span);
-    let params = static_args::static_params_of(checker, id);
+    let params = static_params::static_params_of(checker, id);
     let name = display(checker.program, &decl.name, &params, &statics);
     let unit = Unit::new(name.clone(), kind, span);
     let mut body = Body::new(checker, id, statics.clone(), unit);
@@ -249,8 +249,8 @@ pub(crate) fn declare_ports(cx: &mut Body<'_, '_>, id: DeclId) {
 
 /// Reports a Lustre type parameter with the name of a type of the file.
 fn report_type_param_redefinition(cx: &mut Body<'_, '_>, id: DeclId) {
-    for param in static_args::static_params_of(cx.c, id) {
-        let crate::check::signatures::static_args::Param::Type(name, _) = param else {
+    for param in static_params::static_params_of(cx.c, id) {
+        let crate::check::signatures::static_params::Param::Type(name, _) = param else {
             continue;
         };
         let found = cx.c.program.lookup_in(Space::Type, cx.module, &name.name);
@@ -266,8 +266,8 @@ fn report_type_param_redefinition(cx: &mut Body<'_, '_>, id: DeclId) {
 
 /// Declares static values that are only known at load time as flows.
 fn declare_load_time_params(cx: &mut Body<'_, '_>, id: DeclId) {
-    for param in static_args::static_params_of(cx.c, id) {
-        let crate::check::signatures::static_args::Param::Value(name, def) = param else {
+    for param in static_params::static_params_of(cx.c, id) {
+        let crate::check::signatures::static_params::Param::Value(name, def) = param else {
             continue;
         };
         if !matches!(cx.statics.get(&name.name), Some(Static::Opaque)) {
@@ -275,7 +275,7 @@ fn declare_load_time_params(cx: &mut Body<'_, '_>, id: DeclId) {
         }
         let ty = match &def.ty {
             Some(ty) => types::resolve_type(cx, ty),
-            None => static_args::static_param_type(cx.c, id, def, &cx.statics.clone()),
+            None => static_params::static_param_type(cx.c, id, def, &cx.statics.clone()),
         };
         let optional = false;
         let flow = locals::declare_flow(cx, name, &PortTy { ty, optional }, FlowRole::Param);

@@ -9,4 +9,5 @@ pub(crate) mod instance;
 pub(crate) mod sample_check;
 pub(crate) mod size_inference;
 pub(crate) mod static_args;
+pub(crate) mod static_params;
 pub(crate) mod unit;

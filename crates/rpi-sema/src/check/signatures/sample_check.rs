@@ -5,11 +5,11 @@
 use crate::check::calls::callable::Callable;
 use crate::check::signatures::constraint::nothing_known;
 use crate::check::signatures::header;
-use crate::check::signatures::static_args;
-use crate::check::signatures::static_args::Param;
 use crate::check::signatures::static_args::Static;
 use crate::check::signatures::static_args::Statics;
-use crate::check::signatures::static_args::tells_apart;
+use crate::check::signatures::static_params;
+use crate::check::signatures::static_params::Param;
+use crate::check::signatures::static_params::tells_apart;
 use crate::check::signatures::unit;
 use crate::check::{Checker, Constant};
 use crate::program::{DeclId, DeclKind};
@@ -93,7 +93,7 @@ pub(crate) fn value(ty: &Ty) -> Option<Rc<[Leaf]>> {
 /// callables.
 pub(crate) fn check_samples(checker: &mut Checker<'_>) {
     for id in checker.program.root().decls.clone() {
-        if static_args::static_params_of(checker, id).is_empty() {
+        if static_params::static_params_of(checker, id).is_empty() {
             continue;
         }
         let before = checker.findings.len();
@@ -122,7 +122,7 @@ pub(crate) fn check_samples(checker: &mut Checker<'_>) {
 }
 
 fn check_sample(checker: &mut Checker<'_>, id: DeclId, statics: Rc<Statics>) {
-    static_args::check_node_params(checker, id, &statics);
+    static_params::check_node_params(checker, id, &statics);
     if checker.called.contains(&id) {
         return;
     }
@@ -145,18 +145,18 @@ fn is_kind2_only(checker: &Checker<'_>, id: DeclId) -> bool {
 }
 
 fn has_type_params(checker: &Checker<'_>, id: DeclId) -> bool {
-    let params = static_args::static_params_of(checker, id);
+    let params = static_params::static_params_of(checker, id);
     params.iter().any(|param| matches!(param, Param::Type(..)))
 }
 
 /// Returns static arguments of which as little as possible is known.
 pub(crate) fn unknown_statics(checker: &mut Checker<'_>, id: DeclId) -> Statics {
     let mut statics = Statics::new();
-    for param in static_args::static_params_of(checker, id) {
+    for param in static_params::static_params_of(checker, id) {
         let unknown = match param {
             Param::Type(..) => Static::Ty(Ty::Unknown),
             Param::Value(_, def) => {
-                let ty = static_args::static_param_type(checker, id, def, &statics);
+                let ty = static_params::static_param_type(checker, id, def, &statics);
                 match value(&ty).filter(|_| tells_apart(&ty)) {
                     Some(leaves) => Static::Value(Constant { ty, leaves }),
                     None => Static::Opaque,
@@ -176,12 +176,12 @@ pub(crate) fn unknown_statics(checker: &mut Checker<'_>, id: DeclId) -> Statics 
 /// values.
 fn sample_statics(checker: &mut Checker<'_>, id: DeclId) -> Option<Statics> {
     let mut statics = Statics::new();
-    for param in static_args::static_params_of(checker, id) {
+    for param in static_params::static_params_of(checker, id) {
         let name = param.name().name.clone();
         let sample = match param {
             Param::Type(..) => Static::Ty(nothing_known(&name)),
             Param::Value(_, def) => {
-                let ty = static_args::static_param_type(checker, id, def, &statics);
+                let ty = static_params::static_param_type(checker, id, def, &statics);
                 let leaves = value(&ty)?;
                 Static::Value(Constant { ty, leaves })
             }

@@ -2,10 +2,10 @@
 
 use crate::check::bodies::body::Body;
 use crate::check::calls::args::Given;
-use crate::check::signatures::static_args::Param;
 use crate::check::signatures::static_args::Static;
 use crate::check::signatures::static_args::Statics;
-use crate::check::signatures::static_args::params;
+use crate::check::signatures::static_params::Param;
+use crate::check::signatures::static_params::params;
 use crate::check::signatures::unit;
 use crate::check::{Checker, Constant};
 use crate::program::{DeclId, DeclKind};

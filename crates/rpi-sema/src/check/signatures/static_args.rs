@@ -1,31 +1,29 @@
 //! Static arguments: the arguments in `<<...>>`, bound to static parameters.
 
+use crate::check::Constant;
 use crate::check::bodies::body::Body;
 use crate::check::bodies::statement;
 use crate::check::calls::args;
 use crate::check::calls::args::Given;
-use crate::check::calls::call;
 use crate::check::calls::callable::Callable;
+use crate::check::calls::callee;
 use crate::check::diagnostics::report;
 use crate::check::diagnostics::report::listed;
 use crate::check::diagnostics::report::unknown;
 use crate::check::exprs::expr;
-use crate::check::limits::nesting;
 use crate::check::signatures::alias;
+use crate::check::signatures::static_params;
+use crate::check::signatures::static_params::Param;
 use crate::check::signatures::unit;
 use crate::check::types;
 use crate::check::types::consts;
 use crate::check::types::subrange;
-use crate::check::{Checker, Constant};
 use crate::program::{DeclId, DeclKind};
 use crate::ty::{Subst, Ty, fit};
 use crate::typed::ExprId;
 use rpi_diag::{Code, Finding, Fix, Span};
 use rpi_syntax::Name;
-use rpi_syntax::ast::{
-    Arg, ConstDef, Expr, ExprKind, Ident, NodeDecl, Signature, StaticArg, StaticParam,
-    StaticParamKind, StaticValue, VarDecl,
-};
+use rpi_syntax::ast::{Arg, ConstDef, Expr, ExprKind, Ident, Signature, StaticArg, StaticValue};
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
@@ -45,95 +43,12 @@ pub(crate) enum Static {
 /// Values of the static parameters of a callable, by name.
 pub(crate) type Statics = BTreeMap<Name, Static>;
 
-/// Declaration of a static parameter.
-#[derive(Clone, Copy)]
-pub(crate) enum Param<'a> {
-    /// Type parameter: `type t`, `type T: number`.
-    Type(&'a Ident, Option<&'a Ident>),
-    /// Value parameter: `n: int = 3`.
-    Value(&'a Ident, &'a ConstDef),
-    /// Node parameter: `node f (...) returns (...)`.
-    Node(&'a Signature),
-}
-
 impl<'a> Param<'a> {
     pub(crate) fn name(&self) -> &'a Ident {
         match self {
             Param::Type(name, _) | Param::Value(name, _) => name,
             Param::Node(signature) => &signature.name,
         }
-    }
-}
-
-/// Returns the static parameters of a declaration, one for each name.
-pub(crate) fn params<'a>(statics: &'a [StaticParam]) -> Vec<Param<'a>> {
-    let mut all = Vec::new();
-    for param in statics {
-        match &param.kind {
-            StaticParamKind::Type(name, constraint) => {
-                all.push(Param::Type(name, constraint.as_ref()));
-            }
-            StaticParamKind::Value(def) => {
-                all.extend(def.names.iter().map(|name| Param::Value(name, def)));
-            }
-            StaticParamKind::Node(_, signature) => all.push(Param::Node(signature)),
-        }
-    }
-    all
-}
-
-/// Returns the `const` in-ports of a node, which may determine sizes.
-pub(crate) fn size_params(node: &NodeDecl) -> Vec<Param<'_>> {
-    let sizes = node.sizes.iter();
-    sizes
-        .flat_map(|def| def.names.iter().map(move |name| Param::Value(name, def)))
-        .collect()
-}
-
-/// Whether a callable declaration has a static parameter or an in-port of this name.
-pub(crate) fn has_param(checker: &Checker<'_>, id: DeclId, name: &Name) -> bool {
-    in_port_names(checker, id).any(|port| port == name)
-        || static_params_of(checker, id)
-            .iter()
-            .any(|param| param.name().name == *name)
-}
-
-/// Returns the names of the in-ports of a callable declaration.
-pub(crate) fn in_port_names<'a>(
-    checker: &Checker<'a>,
-    id: DeclId,
-) -> impl Iterator<Item = &'a Name> + use<'a> {
-    in_port_idents(checker, id).map(|name| &name.name)
-}
-
-/// Returns the names of the in-ports of a callable declaration, with their locations.
-pub(crate) fn in_port_idents<'a>(
-    checker: &Checker<'a>,
-    id: DeclId,
-) -> impl Iterator<Item = &'a Ident> + use<'a> {
-    let inputs: &'a [VarDecl] = match checker.program.decl(id).kind {
-        DeclKind::Node(d) => d.signature.inputs.as_deref().unwrap_or(&[]),
-        DeclKind::Fragment(d) => d.signature.inputs.as_deref().unwrap_or(&[]),
-        DeclKind::Primitive(d) => d.signature.inputs.as_deref().unwrap_or(&[]),
-        _ => &[],
-    };
-    inputs.iter().flat_map(|port| &port.names)
-}
-
-/// Returns the static parameters of a callable declaration.
-pub(crate) fn static_params_of<'a>(checker: &Checker<'a>, id: DeclId) -> Vec<Param<'a>> {
-    params_of(checker.program.decl(id).kind)
-}
-
-/// Returns the static parameters of a callable declaration.
-pub(crate) fn params_of(kind: DeclKind<'_>) -> Vec<Param<'_>> {
-    match kind {
-        DeclKind::Node(d) => [params(&d.signature.statics), size_params(d)].concat(),
-        DeclKind::Fragment(d) => params(&d.signature.statics),
-        DeclKind::Primitive(d) => params(&d.signature.statics),
-        DeclKind::Command(d) => params(&d.statics),
-        DeclKind::Device(d) => params(&d.statics),
-        _ => Vec::new(),
     }
 }
 
@@ -154,7 +69,7 @@ pub(crate) fn bind_statics<'a>(
     id: DeclId,
     args: &'a [StaticArg],
 ) -> Bound<'a> {
-    let params = static_params_of(cx.c, id);
+    let params = static_params::static_params_of(cx.c, id);
     let mut bound = Bound {
         statics: Statics::new(),
         ports: Vec::new(),
@@ -204,7 +119,7 @@ pub(crate) fn bind_sizes<'a>(
         .flatten()
         .flat_map(|port| &port.names);
     let ports: Vec<&'a Ident> = ports.collect();
-    let sizes = size_params(node);
+    let sizes = static_params::size_params(node);
     let mut left = Vec::new();
     for (k, arg) in args.iter().enumerate() {
         let port = match &arg.name {
@@ -230,7 +145,7 @@ fn bind_size<'a>(
     arg: &'a Arg,
     bound: &mut Bound<'a>,
 ) {
-    let ty = static_param_type(cx.c, id, def, &bound.statics);
+    let ty = static_params::static_param_type(cx.c, id, def, &bound.statics);
     match consts::const_value(cx, &arg.value, &ty) {
         Some(leaves) => {
             bound
@@ -245,7 +160,7 @@ fn bind_size<'a>(
 /// `on_delay<<500[ms]>>(x)`.
 fn may_be_for_port(cx: &Body<'_, '_>, id: DeclId, params: &[Param<'_>], arg: &StaticArg) -> bool {
     let has_values = params.iter().any(|param| !matches!(param, Param::Type(..)));
-    let has_ports = in_port_names(cx.c, id).next().is_some();
+    let has_ports = static_params::in_port_names(cx.c, id).next().is_some();
     unit::reads_rpi_syntax(cx)
         && !has_values
         && has_ports
@@ -326,7 +241,7 @@ fn bind_param<'a>(
         Param::Node(signature) => {
             let known = bound.statics.clone();
             let callable = static_callable(cx, arg);
-            let callable = callable.and_then(|callable| call::require_portable(cx, callable));
+            let callable = callable.and_then(|callable| callee::require_portable(cx, callable));
             callable.map(|callable| {
                 let misfit = port_mismatch(cx, id, &known, signature, &callable, arg.span);
                 Static::Callee(callable, misfit.map(Rc::new))
@@ -358,13 +273,13 @@ fn bind_value<'a>(
     value: ExprId,
     bound: &mut Bound<'a>,
 ) -> Static {
-    let ty = static_param_type(cx.c, id, def, &bound.statics);
+    let ty = static_params::static_param_type(cx.c, id, def, &bound.statics);
     let wanted = crate::check::diagnostics::report::Wanted::By(
         name.span,
         format!("`{}` is `{ty}`", name.name),
     );
     statement::expect_type(cx, value, &ty, &wanted);
-    if tells_apart(&ty)
+    if static_params::tells_apart(&ty)
         && let Some(leaves) = consts::fold_silently(cx, value)
     {
         bound.faulty |= !subrange::is_in_subranges(cx, &leaves, &ty, cx.span_of(value));
@@ -407,12 +322,12 @@ fn static_callable<'a>(cx: &mut Body<'_, 'a>, arg: &'a StaticArg) -> Option<Call
     match &arg.value {
         StaticValue::Op(op) => Some(Callable::Op(*op)),
         StaticValue::Callee(callee) => {
-            call::resolve_callable(cx, &callee.name.name, &callee.statics, callee.span)
+            callee::resolve_callable(cx, &callee.name.name, &callee.statics, callee.span)
         }
         StaticValue::Expr(Expr {
             kind: ExprKind::Name(name),
             span,
-        }) => call::resolve_callable(cx, name, &[], *span),
+        }) => callee::resolve_callable(cx, name, &[], *span),
         _ => {
             let finding =
                 Finding::new(Code::RPI1010, "a node is expected here").at(arg.span, "not a node");
@@ -435,7 +350,12 @@ fn port_mismatch<'a>(
     let ports = alias::callable_ports(cx, callable, span)?;
     let wanted = [&signature.inputs, &signature.outputs];
     for (wanted, given) in wanted.into_iter().zip([&ports.inputs, &ports.outputs]) {
-        let wanted = signature_port_types(cx.c, id, statics, wanted.as_deref().unwrap_or_default());
+        let wanted = static_params::signature_port_types(
+            cx.c,
+            id,
+            statics,
+            wanted.as_deref().unwrap_or_default(),
+        );
         if wanted.len() != given.len() {
             let counts = (wanted.len(), given.len());
             return Some(wrong_node(signature, span, "number of ports", counts));
@@ -457,146 +377,6 @@ fn port_mismatch<'a>(
 /// Resolves a callable that is passed as a static argument.
 pub(crate) fn static_callee<'a>(cx: &mut Body<'_, 'a>, arg: &'a StaticArg) -> Option<Callable> {
     static_callable(cx, arg)
-}
-
-/// Returns the declared type of a static value parameter, or the type of its default. The type is unknown if it
-/// depends on unbound type parameters.
-pub(crate) fn static_param_type<'a>(
-    checker: &mut Checker<'a>,
-    id: DeclId,
-    def: &'a ConstDef,
-    statics: &Statics,
-) -> Ty {
-    let mut known = statics.clone();
-    for param in static_params_of(checker, id) {
-        if let Param::Type(name, _) = param {
-            let open = || Static::Ty(Ty::Unknown);
-            known.entry(name.name.clone()).or_insert_with(open);
-        }
-    }
-    static_param_type_with(checker, id, def, &Rc::new(known))
-}
-
-/// Returns the types of ports in the signature of a declaration, one for each name.
-pub(crate) fn signature_port_types<'a>(
-    checker: &mut Checker<'a>,
-    id: DeclId,
-    statics: &Statics,
-    ports: &'a [VarDecl],
-) -> Vec<Ty> {
-    let mut body = signature_body(checker, id, &Rc::new(statics.clone()));
-    body.in_signature = true;
-    let mut types = Vec::new();
-    for port in ports {
-        let ty = types::resolve_type(&mut body, &port.ty);
-        types.extend(port.names.iter().map(|_| ty.clone()));
-    }
-    types
-}
-
-/// Reports errors in the port types of the node parameters of a declaration.
-pub(crate) fn check_node_params(checker: &mut Checker<'_>, id: DeclId, statics: &Rc<Statics>) {
-    for param in static_params_of(checker, id) {
-        let Param::Node(signature) = param else {
-            continue;
-        };
-        let mut body = signature_body(checker, id, statics);
-        body.in_signature = true;
-        let ports = signature.inputs.iter().chain(&signature.outputs).flatten();
-        for port in ports {
-            types::resolve_type(&mut body, &port.ty);
-        }
-        body.leave();
-    }
-}
-
-fn static_param_type_with<'a>(
-    checker: &mut Checker<'a>,
-    id: DeclId,
-    def: &'a ConstDef,
-    statics: &Rc<Statics>,
-) -> Ty {
-    let mut body = signature_body(checker, id, statics);
-    body.in_signature = true;
-    match (&def.ty, &def.value) {
-        (Some(ty), _) => types::resolve_type(&mut body, ty),
-        (None, Some(value)) => {
-            let value = expr::check_expr(&mut body, value);
-            body.ty_of(value).clone()
-        }
-        (None, None) => Ty::Unknown,
-    }
-}
-
-/// Returns a body for checking the signature of a declaration, with the static parameters known so far.
-fn signature_body<'s, 'a>(
-    checker: &'s mut Checker<'a>,
-    id: DeclId,
-    statics: &Rc<Statics>,
-) -> Body<'s, 'a> {
-    let unit = crate::typed::Unit::new("".into(), crate::typed::UnitKind::Constant, Span::NONE);
-    Body::new(checker, id, statics.clone(), unit)
-}
-
-/// Adds defaults for parameters without an argument; returns the names that remain open.
-pub(crate) fn add_default_statics(
-    checker: &mut Checker<'_>,
-    id: DeclId,
-    statics: &mut Statics,
-) -> Vec<Name> {
-    let mut open = Vec::new();
-    for param in static_params_of(checker, id) {
-        let name = &param.name().name;
-        if statics.contains_key(name) {
-            continue;
-        }
-        match param {
-            Param::Value(_, def) => {
-                // Moved out and back instead of cloned: each default may need all parameters before it.
-                let known = Rc::new(std::mem::take(statics));
-                let value = default_static(checker, id, def, &known);
-                *statics = Rc::unwrap_or_clone(known);
-                if value.is_none() && def.value.is_none() {
-                    open.push(name.clone());
-                }
-                statics.insert(name.clone(), value.unwrap_or(Static::Opaque));
-            }
-            Param::Type(..) => {
-                open.push(name.clone());
-                statics.insert(name.clone(), Static::Ty(Ty::Generic(name.clone())));
-            }
-            Param::Node(_) => open.push(name.clone()),
-        }
-    }
-    open
-}
-
-fn default_static<'a>(
-    checker: &mut Checker<'a>,
-    id: DeclId,
-    def: &'a ConstDef,
-    statics: &Rc<Statics>,
-) -> Option<Static> {
-    let decl = checker.program.decl(id);
-    let ty = static_param_type_with(checker, id, def, statics);
-    let value = def.value.as_ref().filter(|_| tells_apart(&ty))?;
-    if !nesting::may_nest(checker, "static parameter", decl.span) {
-        return None;
-    }
-    let leaves = nesting::check_nested(checker, |checker| {
-        let mut body = signature_body(checker, id, statics);
-        consts::const_value(&mut body, value, &ty)
-    })?;
-    Some(Static::Value(Constant { ty, leaves }))
-}
-
-/// Whether values of a type may determine sizes and branches, so that each value needs its own instance.
-pub(crate) fn tells_apart(ty: &Ty) -> bool {
-    match ty {
-        Ty::Bool | Ty::Int | Ty::Subrange(_) | Ty::Enum(_) => true,
-        Ty::Array(element, _) => tells_apart(element),
-        _ => false,
-    }
 }
 
 /// Returns the diagnostic for missing static arguments.

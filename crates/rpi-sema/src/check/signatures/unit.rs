@@ -15,8 +15,8 @@ use crate::check::signatures::header::Header;
 use crate::check::signatures::header::kind_of;
 use crate::check::signatures::imported;
 use crate::check::signatures::instance::key;
-use crate::check::signatures::static_args;
 use crate::check::signatures::static_args::Statics;
+use crate::check::signatures::static_params;
 use crate::check::task;
 use crate::check::types::consts;
 use crate::elab::MAX_DEPTH;
@@ -105,8 +105,8 @@ fn instance_limit_exceeded(checker: &mut Checker<'_>, header: &Header, depth: u3
 /// Returns the unit of a declaration that is run on its own; `None` if it needs static arguments.
 pub(crate) fn root_unit(checker: &mut Checker<'_>, id: DeclId) -> Option<UnitId> {
     let mut statics = Statics::new();
-    let open = static_args::add_default_statics(checker, id, &mut statics);
-    let needs_more = static_args::static_params_of(checker, id)
+    let open = static_params::add_default_statics(checker, id, &mut statics);
+    let needs_more = static_params::static_params_of(checker, id)
         .iter()
         .any(|param| {
             let is_open = open.contains(&param.name().name);
@@ -139,12 +139,12 @@ fn has_open_sizes(
     open: &[rpi_syntax::Name],
     statics: &Statics,
 ) -> bool {
-    let params = static_args::static_params_of(checker, id);
+    let params = static_params::static_params_of(checker, id);
     params.iter().any(|param| match param {
-        crate::check::signatures::static_args::Param::Value(name, def)
+        crate::check::signatures::static_params::Param::Value(name, def)
             if open.contains(&name.name) =>
         {
-            crate::check::signatures::static_args::tells_apart(&static_args::static_param_type(
+            crate::check::signatures::static_params::tells_apart(&static_params::static_param_type(
                 checker, id, def, statics,
             ))
         }

@@ -10,6 +10,7 @@ use crate::check::limits::nesting;
 use crate::check::signatures::unit;
 use crate::check::types;
 use crate::check::types::subrange;
+use crate::check::types::type_decls;
 use crate::check::{Checker, Constant, Lazy};
 use crate::elab::{self, NotConstant};
 use crate::program::{DeclId, DeclKind};
@@ -30,7 +31,7 @@ pub(crate) fn check_constant(checker: &mut Checker<'_>, id: DeclId) -> Option<Co
             return constant;
         }
         Some(Lazy::Busy) => {
-            types::report_dependency_cycle(checker, "constant", id);
+            type_decls::report_dependency_cycle(checker, "constant", id);
             return None;
         }
         None => {}

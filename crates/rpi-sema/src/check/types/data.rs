@@ -13,12 +13,12 @@ use crate::check::exprs::compose;
 use crate::check::exprs::expr;
 use crate::check::exprs::ops;
 use crate::check::signatures::static_args;
-use crate::check::signatures::static_args::Param;
 use crate::check::signatures::static_args::Static;
 use crate::check::signatures::static_args::Statics;
-use crate::check::signatures::static_args::params;
-use crate::check::types;
+use crate::check::signatures::static_params::Param;
+use crate::check::signatures::static_params::params;
 use crate::check::types::exact_time;
+use crate::check::types::type_decls;
 use crate::program::{DeclId, DeclKind, Lookup, Space};
 use crate::ty::{EnumTy, Member, StructTy, Subst, Ty, fit};
 use crate::typed::{ExprId, Kind, Leaf};
@@ -64,7 +64,7 @@ pub(crate) fn type_instance_for<'a>(
         };
         statics.insert(name, Static::Ty(ty));
     }
-    let ty = types::type_instance(cx.c, id, Rc::new(statics));
+    let ty = type_decls::type_instance(cx.c, id, Rc::new(statics));
     if cx.c.temporal.contains(&id) {
         cx.has_state(span);
     }
@@ -87,7 +87,7 @@ fn type_params(cx: &Body<'_, '_>, id: DeclId) -> Vec<Name> {
 fn open_type(cx: &mut Body<'_, '_>, id: DeclId) -> Ty {
     let names = type_params(cx, id).into_iter();
     let statics = names.map(|name| (name.clone(), Static::Ty(Ty::Generic(name))));
-    types::type_instance(cx.c, id, Rc::new(statics.collect()))
+    type_decls::type_instance(cx.c, id, Rc::new(statics.collect()))
 }
 
 /// Returns a declared type with the inferred parameters; `None` if some are not inferred.
@@ -97,7 +97,7 @@ fn inferred_type(cx: &mut Body<'_, '_>, id: DeclId, subst: &Subst) -> Option<Ty>
         let ty = subst.types.get(&name)?.clone();
         statics.insert(name, Static::Ty(ty));
     }
-    Some(types::type_instance(cx.c, id, Rc::new(statics)))
+    Some(type_decls::type_instance(cx.c, id, Rc::new(statics)))
 }
 
 /// Returns the declaration of a generic struct if a literal does not give its type arguments.
@@ -187,7 +187,7 @@ pub(crate) fn resolve_datatype<'a>(
     }];
     let mut seen: Vec<&Ident> = Vec::new();
     for constructor in all {
-        fields.extend(types::check_fields(cx, &constructor.fields));
+        fields.extend(type_decls::check_fields(cx, &constructor.fields));
         for name in constructor.fields.iter().flat_map(|field| &field.names) {
             match seen.iter().find(|first| first.name == name.name) {
                 Some(first)

@@ -5,6 +5,7 @@ use crate::check::signatures::instance::key;
 use crate::check::signatures::static_args;
 use crate::check::signatures::static_args::Static;
 use crate::check::signatures::static_args::Statics;
+use crate::check::signatures::static_params;
 use crate::check::types::value_types;
 use crate::check::{Checker, Lazy};
 use crate::program::DeclId;
@@ -23,14 +24,14 @@ pub(crate) fn resolve_device_type<'a>(
 ) -> Ty {
     let bound = static_args::bind_statics(cx, id, &named.statics);
     let mut statics = bound.statics;
-    static_args::add_default_statics(cx.c, id, &mut statics);
+    static_params::add_default_statics(cx.c, id, &mut statics);
     device_type_instance(cx.c, id, decl, &Rc::new(statics))
 }
 
 /// Checks a device declaration on its own.
 pub(crate) fn check_device<'a>(checker: &mut Checker<'a>, id: DeclId, decl: &'a DeviceDecl) {
     let mut statics = Statics::new();
-    static_args::add_default_statics(checker, id, &mut statics);
+    static_params::add_default_statics(checker, id, &mut statics);
     device_type_instance(checker, id, decl, &Rc::new(statics));
 }
 

@@ -10,8 +10,8 @@ use crate::check::bodies::body::Body;
 use crate::check::calls::prim;
 use crate::check::signatures::constraint::written;
 use crate::check::signatures::header::Header;
-use crate::check::signatures::static_args;
-use crate::check::signatures::static_args::Param;
+use crate::check::signatures::static_params;
+use crate::check::signatures::static_params::Param;
 use crate::program::{DeclId, DeclKind};
 use crate::ty::Ty;
 use crate::typed::{Each, ExprId, FlowRole, Kind, PrimCall, Unit, UnitKind};
@@ -332,7 +332,7 @@ fn may_be_time(checker: &Checker<'_>, id: DeclId, name: &Name) -> bool {
         checker.program.decl(id).kind,
         DeclKind::Node(_) | DeclKind::Fragment(_)
     );
-    let params = static_args::static_params_of(checker, id);
+    let params = static_params::static_params_of(checker, id);
     let constraint = params.iter().find_map(|param| match param {
         Param::Type(of, constraint) if of.name == *name => Some(written(*constraint)),
         _ => None,

@@ -11,6 +11,7 @@ pub(crate) mod machine_int;
 pub(crate) mod quantity;
 pub(crate) mod subrange;
 pub(crate) mod time_sums;
+pub(crate) mod type_decls;
 pub(crate) mod value_types;
 
 use crate::check::bodies::body::Body;
@@ -24,24 +25,17 @@ use crate::check::exprs::proof_only;
 use crate::check::exprs::proof_only::SETS;
 use crate::check::exprs::proof_only::foreign_ty;
 use crate::check::exprs::spatial_ops;
-use crate::check::limits::nesting;
-use crate::check::limits::nesting::is_workable;
 use crate::check::signatures::static_args;
 use crate::check::signatures::static_args::Static;
-use crate::check::signatures::static_args::Statics;
 use crate::check::signatures::unit;
 use crate::check::types::quantity::unit_fault;
-use crate::check::{Checker, Lazy};
 use crate::program::{DeclId, DeclKind, Lookup, Space};
-use crate::ty::{EnumTy, Geometry, Member, StructTy, Ty};
-use crate::typed::Leaf;
+use crate::ty::{Geometry, Ty};
 use crate::units::{Dim, Measure, resolve};
 use rpi_diag::{Code, Finding, Span};
 use rpi_image::Scalar;
 use rpi_syntax::Name;
-use rpi_syntax::ast::{
-    ArrayType, Dotted, Frames, Ident, NamedType, Type, TypeDef, TypeKind, Unit, VarDecl,
-};
+use rpi_syntax::ast::{ArrayType, Dotted, Frames, NamedType, Type, TypeKind, Unit};
 use std::rc::Rc;
 
 /// Maximum number of leaves of an array, over all levels. A larger array is probably a mistake, and would only use up
@@ -120,7 +114,7 @@ pub(crate) fn resolve_unit(
         match cx.statics.get(&factor.unit.name) {
             Some(Static::Ty(Ty::Generic(_) | Ty::Unknown)) => return Ok(None),
             Some(Static::Ty(ty)) if !matches!(ty, Ty::Real(_) | Ty::Duration) => {
-                return Err(Box::new(no_quantity(&factor.unit, ty)));
+                return Err(Box::new(type_decls::no_quantity(&factor.unit, ty)));
             }
             _ => {}
         }
@@ -194,7 +188,7 @@ pub(crate) fn type_by_plain_name(cx: &mut Body<'_, '_>, name: &Name, span: Span)
         .find(|s| s.name() == name.as_str());
     let found = match name.as_str() {
         "time" if unit::reads_rpi_syntax(cx) => Some(Ty::Duration),
-        _ => spatial.map(crate::check::calls::prim::scalar_ty),
+        _ => spatial.map(crate::check::calls::prim_ports::scalar_ty),
     };
     if found.is_none() {
         undefined_names::report_undefined_type(cx, name, span);
@@ -392,194 +386,6 @@ fn checked_frame(cx: &mut Body<'_, '_>, known: bool, name: Name, span: Span) -> 
         report::report_diagnostic(cx, finding.did_you_mean(span, near));
     }
     known.then_some(name)
-}
-
-/// Checks a type declaration or device type on its own.
-pub(crate) fn check_type(checker: &mut Checker<'_>, id: DeclId) {
-    match checker.program.decl(id).kind {
-        DeclKind::Type(def) => {
-            let params = crate::check::signatures::static_args::params(&def.statics).into_iter();
-            let open = params.map(|param| {
-                let name = param.name().name.clone();
-                (name.clone(), Static::Ty(Ty::Generic(name)))
-            });
-            type_instance(checker, id, Rc::new(open.collect()));
-        }
-        DeclKind::Device(device) => device::check_device(checker, id, device),
-        _ => {}
-    }
-}
-
-/// Returns the type of a declaration without static arguments.
-pub(crate) fn type_decl(checker: &mut Checker<'_>, id: DeclId) -> Ty {
-    type_instance(checker, id, Rc::default())
-}
-
-/// Returns the type of a declaration with static arguments.
-pub(crate) fn type_instance(checker: &mut Checker<'_>, id: DeclId, statics: Rc<Statics>) -> Ty {
-    let key = crate::check::signatures::instance::key(id, &statics);
-    match checker.types.get(&key) {
-        Some(Lazy::Done(ty)) => return ty.clone().unwrap_or(Ty::Unknown),
-        Some(Lazy::Busy) => {
-            report_dependency_cycle(checker, "type", id);
-            return Ty::Unknown;
-        }
-        None => {}
-    }
-    if !nesting::may_nest(checker, "type", checker.program.decl(id).span) {
-        return Ty::Unknown;
-    }
-    // In progress before it is resolved, so that a type that depends on itself is detected.
-    checker.types.insert(key.clone(), Lazy::Busy);
-    checker.open.push(id);
-    let ty = nesting::check_nested(checker, |checker| type_def(checker, id, statics));
-    checker.open.pop();
-    checker.types.insert(key, Lazy::Done(Some(ty.clone())));
-    ty
-}
-
-fn type_def(checker: &mut Checker<'_>, id: DeclId, statics: Rc<Statics>) -> Ty {
-    let DeclKind::Type(def) = checker.program.decl(id).kind else {
-        return Ty::Unknown;
-    };
-    let mut body = Body::around(checker, id);
-    body.statics = statics;
-    let ty = resolve_type_def(&mut body, def);
-    let is_temporal = body.state_at.is_some();
-    body.leave();
-    if is_temporal {
-        checker.temporal.insert(id);
-    }
-    ty
-}
-
-/// Reports a dependency cycle of declarations.
-pub(crate) fn report_dependency_cycle(checker: &mut Checker<'_>, what: &str, id: DeclId) {
-    let from = checker
-        .open
-        .iter()
-        .position(|open| *open == id)
-        .unwrap_or(0);
-    let ring: Vec<_> = checker.open[from..]
-        .iter()
-        .map(|id| checker.program.decl(*id))
-        .collect();
-    let name = &checker.program.decl(id).name;
-    let way: Vec<String> = ring
-        .iter()
-        .map(|decl| format!("`{}` -> ", decl.name))
-        .collect();
-    let message = match ring.len() {
-        0 | 1 => format!("the {what} `{name}` depends on itself"),
-        _ => format!(
-            "the {what} `{name}` depends on itself: {}`{name}`",
-            way.concat()
-        ),
-    };
-    let mut finding = Finding::new(Code::RPI1007, message);
-    if ring.is_empty() {
-        let decl = checker.program.decl(id);
-        let text = format!("`{name}` depends on `{name}`");
-        finding = finding.at(decl.span, text);
-    }
-    for (k, decl) in ring.iter().enumerate() {
-        let next = &ring[(k + 1) % ring.len()].name;
-        let text = format!("`{}` depends on `{next}`", decl.name);
-        finding = match k {
-            0 => finding.at(decl.span, text),
-            _ => finding.also(decl.span, text),
-        };
-    }
-    checker.findings.push(finding);
-}
-
-fn resolve_type_def<'a>(cx: &mut Body<'_, 'a>, def: &'a TypeDef) -> Ty {
-    let name = type_name(cx, def);
-    match def.ty.as_ref().map(|ty| (&ty.kind, ty)) {
-        None => Ty::Struct(Rc::new(StructTy {
-            name,
-            fields: Vec::new(),
-            defaults: Vec::new(),
-        })),
-        Some((TypeKind::Enum(values), _)) => {
-            let values = values.iter().map(|v| v.name.name.clone()).collect();
-            Ty::Enum(Rc::new(EnumTy::new(name, values)))
-        }
-        Some((TypeKind::Data(all), _)) => data::resolve_datatype(cx, def, name, all),
-        Some((TypeKind::Struct(fields), _)) => resolve_struct(cx, def, name, fields),
-        Some((_, ty)) => resolve_type(cx, ty),
-    }
-}
-
-/// Returns the name of a type with its static arguments.
-fn type_name(cx: &Body<'_, '_>, def: &TypeDef) -> Name {
-    let params = crate::check::signatures::static_args::params(&def.statics);
-    crate::check::signatures::instance::display(cx.c.program, &def.name.name, &params, &cx.statics)
-}
-
-fn resolve_struct<'a>(
-    cx: &mut Body<'_, 'a>,
-    def: &'a TypeDef,
-    name: Name,
-    fields: &'a [VarDecl],
-) -> Ty {
-    let known = check_fields(cx, fields);
-    if !is_workable(&known) {
-        let finding = Finding::new(Code::RPI2009, "the struct is too large").at(
-            def.name.span,
-            "too many parts, or structs nested too deeply",
-        );
-        report::report_diagnostic(cx, finding);
-        return Ty::Unknown;
-    }
-    Ty::Struct(Rc::new(StructTy {
-        name,
-        fields: known,
-        defaults: field_defaults(cx, fields),
-    }))
-}
-
-pub(crate) fn check_fields<'a>(cx: &mut Body<'_, 'a>, decls: &'a [VarDecl]) -> Vec<Member> {
-    let mut fields: Vec<Member> = Vec::new();
-    let names = || decls.iter().flat_map(|decl| &decl.names);
-    for decl in decls {
-        let ty = value_types::resolve_value_type(cx, &decl.ty);
-        for name in &decl.names {
-            let first = names().take(fields.len()).find(|n| n.name == name.name);
-            if let Some(first) = first {
-                let finding = crate::program::twice(&name.name, name.span, first.span);
-                report::report_diagnostic(cx, finding);
-            }
-            fields.push(Member {
-                name: Some(name.name.clone()),
-                ty: ty.clone(),
-            });
-        }
-    }
-    fields
-}
-
-fn field_defaults<'a>(cx: &mut Body<'_, 'a>, decls: &'a [VarDecl]) -> Vec<Option<Rc<[Leaf]>>> {
-    let mut defaults = Vec::new();
-    for decl in decls {
-        let default = decl.default.as_ref().map(|value| {
-            let ty = resolve_type(cx, &decl.ty);
-            // An invalid default, which has been reported, is empty.
-            consts::const_value(cx, value, &ty).unwrap_or_default()
-        });
-        defaults.extend(decl.names.iter().map(|_| default.clone()));
-    }
-    defaults
-}
-
-/// Returns the diagnostic for a type parameter in a unit that is not a type of reals.
-fn no_quantity(name: &Ident, ty: &Ty) -> Finding {
-    let message = match ty.to_string() == name.name.as_str() {
-        // The body is checked for all types of this parameter.
-        true => format!("`{ty}` may be a type without unit"),
-        false => format!("`{}` is `{ty}` here, which has no unit", name.name),
-    };
-    Finding::new(Code::RPI2003, message).at(name.span, "expected a type of reals")
 }
 
 /// Names of the built-in types of Kind 2.

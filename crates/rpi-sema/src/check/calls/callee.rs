@@ -1,0 +1,289 @@
+//! Callees: resolution of the name and static arguments of a call.
+
+use crate::check::Constant;
+use crate::check::bodies::body::Body;
+use crate::check::bodies::locals;
+use crate::check::bodies::locals::Local;
+use crate::check::calls::args;
+use crate::check::calls::args::Given;
+use crate::check::calls::callable::Callable;
+use crate::check::calls::callable::Fixed;
+use crate::check::calls::intrinsics::SPECIALS;
+use crate::check::calls::intrinsics::Special;
+use crate::check::calls::iterate;
+use crate::check::diagnostics::report;
+use crate::check::diagnostics::report::not_a;
+use crate::check::diagnostics::undefined_names;
+use crate::check::limits::nesting;
+use crate::check::signatures::alias;
+use crate::check::signatures::header;
+use crate::check::signatures::static_args;
+use crate::check::signatures::static_args::Static;
+use crate::check::signatures::static_args::Statics;
+use crate::check::signatures::static_params;
+use crate::check::signatures::unit;
+use crate::check::signatures::unit::is_callable;
+use crate::check::types::consts;
+use crate::check::types::data;
+use crate::elab::NotConstant;
+use crate::program::{DeclId, DeclKind, Lookup, Space};
+use rpi_diag::Span;
+use rpi_prims::{PrimId, registry};
+use rpi_syntax::Name;
+use rpi_syntax::ast::{self, NodeDef, StaticArg};
+use std::rc::Rc;
+
+/// Meaning of the name of a callee.
+pub(crate) enum Callee<'a> {
+    /// Callable with all its static arguments: a node parameter or an operator.
+    Known(Callable),
+    /// Declaration.
+    Decl(DeclId),
+    /// Predeclared operator with its own checks.
+    Special(Special),
+    /// Registered primitive.
+    Prim(PrimId),
+    /// Iterator over arrays, by name.
+    Iterator(&'static str),
+    /// Alternative of a `datatype`: its type and index.
+    Constructor(DeclId, u32),
+    /// Not callable, which has been reported.
+    Nothing(std::marker::PhantomData<&'a ()>),
+}
+
+/// Returns the callable that an alias stands for. The alias may have static parameters.
+pub(crate) fn resolve_alias<'a>(
+    cx: &mut Body<'_, 'a>,
+    id: DeclId,
+    callee: &'a ast::Callee,
+    statics: &'a [StaticArg],
+) -> Option<Callable> {
+    let bound = static_args::bind_statics(cx, id, statics);
+    if bound.faulty {
+        return None;
+    }
+    if alias::is_cyclic_alias(cx.c, id) || !nesting::may_alias(cx.c, callee.span) {
+        return None;
+    }
+    check_alias_ports(cx, id, &bound.statics);
+    cx.c.aliases.push(id);
+    let mut body = Body::around(cx.c, id);
+    body.statics = Rc::new(bound.statics);
+    let callable = resolve_callable(&mut body, &callee.name.name, &callee.statics, callee.span);
+    let callable = callable.and_then(|callable| require_portable(&mut body, callable));
+    body.leave();
+    cx.c.aliases.pop();
+    callable
+}
+
+/// Checks the unit of an alias with static parameters and declared ports, so that ports that differ from those of
+/// its target are reported.
+fn check_alias_ports(cx: &mut Body<'_, '_>, id: DeclId, statics: &Statics) {
+    let DeclKind::Node(node) = cx.c.program.decl(id).kind else {
+        return;
+    };
+    let params = static_params::static_params_of(cx.c, id);
+    let is_given = |param: &crate::check::signatures::static_params::Param<'_>| {
+        statics.contains_key(&param.name().name)
+    };
+    if node.signature.outputs.is_none() || params.is_empty() || !params.iter().all(is_given) {
+        return;
+    }
+    if let Some(header) = header::check_header(cx.c, id, Rc::new(statics.clone())) {
+        unit::instantiate(cx.c, &header, header.span);
+    }
+}
+
+/// Resolves the name of a callee.
+pub(crate) fn resolve_callee<'a>(cx: &mut Body<'_, 'a>, name: &Name, span: Span) -> Callee<'a> {
+    let importing = std::mem::take(&mut cx.importing);
+    if let Some(Static::Callee(callable, misfit)) = cx.statics.get(name).cloned() {
+        if let Some(misfit) = misfit {
+            report::report_diagnostic(cx, (*misfit).clone());
+            return Callee::Nothing(std::marker::PhantomData);
+        }
+        return Callee::Known(callable);
+    }
+    if let Lookup::Found(id) = cx.c.program.lookup_in(Space::Value, cx.module, name)
+        && let DeclKind::Constructor { ty, index } = cx.c.program.decl(id).kind
+    {
+        return Callee::Constructor(ty, index);
+    }
+    if let Lookup::Found(id) = cx.c.program.lookup_in(Space::Value, cx.module, name)
+        && let DeclKind::EnumValue { ty, index } = cx.c.program.decl(id).kind
+        && data::is_datatype(cx, ty)
+    {
+        return Callee::Constructor(ty, index);
+    }
+    let space = match importing {
+        true => Space::Contract,
+        false => Space::Callable,
+    };
+    match cx.c.program.lookup_in(space, cx.module, name) {
+        Lookup::Found(id) => resolve_callee_decl(cx, id, name, span),
+        Lookup::Missing => resolve_builtin_callee(cx, name, span),
+    }
+}
+
+/// Resolves a declaration as a callee; reports one that is not callable.
+fn resolve_callee_decl<'a>(
+    cx: &mut Body<'_, 'a>,
+    id: DeclId,
+    name: &Name,
+    span: Span,
+) -> Callee<'a> {
+    let decl = cx.c.program.decl(id).clone();
+    if is_callable(decl.kind) {
+        return Callee::Decl(id);
+    }
+    if !matches!(decl.kind, DeclKind::Broken(_)) {
+        let finding = not_a("a callable", name, decl.kind.what(), span, decl.span);
+        let finding = match decl.kind {
+            DeclKind::Command(_) => finding.help("run a command by a task, or by `rpi run`"),
+            _ => finding,
+        };
+        report::report_diagnostic(cx, finding);
+    }
+    Callee::Nothing(std::marker::PhantomData)
+}
+
+/// Resolves an iterator, a predeclared operator or a primitive; reports an undefined name.
+fn resolve_builtin_callee<'a>(cx: &mut Body<'_, 'a>, name: &Name, span: Span) -> Callee<'a> {
+    let plain = name.strip_prefix("Lustre::").unwrap_or(name);
+    if let Some(iterator) = crate::check::calls::iterate::NAMES
+        .iter()
+        .find(|iterator| **iterator == plain)
+    {
+        return Callee::Iterator(iterator);
+    }
+    let specials = SPECIALS.iter();
+    let is_kind2 = |s: &&Special| matches!(s, Special::Any | Special::Choose | Special::Machine(_));
+    let is_ours = |s: &&Special| matches!(s, Special::Spatial(_) | Special::Time);
+    let is_rpi = unit::reads_rpi_syntax(cx);
+    let mut specials = specials.filter(|s| match is_rpi {
+        true => !is_kind2(s),
+        false => !is_ours(s),
+    });
+    if let Some(special) = specials.find(|special| special.name() == plain) {
+        return Callee::Special(*special);
+    }
+    if let Some(operator) = crate::check::calls::predefined_ops::operator(name) {
+        return Callee::Known(operator);
+    }
+    if let Some(prim) = PrimId::of(name) {
+        return Callee::Prim(prim);
+    }
+    report_undefined_callee(cx, name, span);
+    Callee::Nothing(std::marker::PhantomData)
+}
+
+/// Reports an undefined callee, with a suggestion.
+fn report_undefined_callee(cx: &mut Body<'_, '_>, name: &Name, span: Span) {
+    if let Some(Local::Flow(flow)) = locals::find_local(cx, name) {
+        let declared = cx.unit.flow(flow).span;
+        let finding = not_a("a callable", name, "a flow", span, declared).help(format!(
+            "read an array element by `{name}[0]`; write a product as `{name} * x`"
+        ));
+        return report::report_diagnostic(cx, finding);
+    }
+    let callable = |id: DeclId| is_callable(cx.c.program.decl(id).kind);
+    let near =
+        cx.c.suggest(name, cx.c.program.visible(cx.module, callable));
+    // `time` is not suggested: it is also the name of a predeclared flow, which is more likely to be meant.
+    let specials = SPECIALS.iter().map(|special| special.name());
+    let specials = specials.filter(|special| *special != "time");
+    let near = near.or_else(|| rpi_diag::suggest(name, specials));
+    let near = near.or_else(|| match name.is_qualified() {
+        true => {
+            cx.c.suggest(name, registry().iter().map(|prim| prim.desc.name))
+        }
+        false => None,
+    });
+    let what = if name.is_qualified() {
+        "primitive"
+    } else {
+        "node, function or fragment"
+    };
+    let last = name.rsplit("::").next().unwrap_or_default();
+    let is_there = |other: &str| {
+        let mut visible = cx.c.program.visible(cx.module, callable);
+        visible.any(|known| known == other) || SPECIALS.iter().any(|s| s.name() == other)
+    };
+    let here = match name.is_qualified() && is_there(last) {
+        true => Some(last),
+        false => crate::check::diagnostics::foreign::call_here(name),
+    };
+    match here {
+        Some(here) => undefined_names::report_foreign_name(cx, what, name, span, here),
+        None => undefined_names::report_undefined(cx, what, name, span, near),
+    }
+}
+
+/// Resolves a callable with its static arguments, for an iterator or as a static argument.
+pub(crate) fn resolve_callable<'a>(
+    cx: &mut Body<'_, 'a>,
+    name: &Name,
+    statics: &'a [StaticArg],
+    span: Span,
+) -> Option<Callable> {
+    match resolve_callee(cx, name, span) {
+        Callee::Nothing(_) => None,
+        Callee::Constructor(..) => {
+            let finding = not_a(
+                "a callable",
+                name,
+                "an alternative of a datatype",
+                span,
+                span,
+            );
+            report::report_diagnostic(cx, finding);
+            None
+        }
+        Callee::Known(callable) => Some(callable),
+        Callee::Special(special) => Some(Callable::Special(special)),
+        Callee::Prim(prim) => Some(Callable::Prim(prim)),
+        Callee::Iterator(iterator) => {
+            let iteration = iterate::resolve_iterator(cx, iterator, statics, span)?;
+            Some(Callable::Iteration(Rc::new(iteration)))
+        }
+        Callee::Decl(id) => {
+            if let DeclKind::Node(node) = cx.c.program.decl(id).kind
+                && let NodeDef::Alias(callee) = &node.definition
+            {
+                return resolve_alias(cx, id, callee, statics);
+            }
+            let bound = static_args::bind_statics(cx, id, statics);
+            let fixed = fold_fixed_ports(cx, &bound.ports)?;
+            (!bound.faulty).then(|| Callable::Unit(id, Rc::new(bound.statics), fixed))
+        }
+    }
+}
+
+/// Returns the values of the ports that static arguments fix.
+fn fold_fixed_ports<'a>(cx: &mut Body<'_, 'a>, ports: &[Given<'a>]) -> Option<Rc<[(Name, Fixed)]>> {
+    let mut fixed = Vec::new();
+    for port in ports {
+        let value = match consts::try_fold(cx, port.value) {
+            Err(NotConstant::Flow(_)) if args::is_load_time_constant(cx, port.value) => {
+                Fixed::Loaded(port.value)
+            }
+            _ => Fixed::Constant(Constant {
+                leaves: consts::fold(cx, port.value)?,
+                ty: cx.ty_of(port.value).clone(),
+            }),
+        };
+        fixed.push((port.name?.name.clone(), value));
+    }
+    Some(fixed.into())
+}
+
+/// Rejects a callable with values that are only known in this body; returns `None` after the error.
+pub(crate) fn require_portable(cx: &mut Body<'_, '_>, callable: Callable) -> Option<Callable> {
+    match callable.loaded() {
+        None => Some(callable),
+        Some(value) => {
+            consts::fold(cx, value);
+            None
+        }
+    }
+}

@@ -1,0 +1,211 @@
+//! Ports of primitives: their types and values as the checker sees them.
+
+use crate::check::bodies::body::Body;
+use crate::check::calls::prim::Slots;
+use crate::check::diagnostics::report;
+use crate::check::diagnostics::report::Wanted;
+use crate::check::types::consts;
+use crate::check::types::exact_time;
+use crate::ty::{Member, Ty};
+use crate::typed::{ExprId, Leaf};
+use rpi_diag::{Code, Finding, Span};
+use rpi_image::{ParamType, PortType, PrimDesc, Scalar, ShapeArgs, Type, Value};
+use std::rc::Rc;
+
+/// Whether a value has the machine type of a port; reports a mismatch. Units and frames are not compared.
+pub(crate) fn fits_port(cx: &mut Body<'_, '_>, value: ExprId, port: PortType, name: &str) -> bool {
+    // Ports take times in seconds.
+    exact_time::convert_to_seconds(cx, value);
+    let ty = cx.ty_of(value).clone();
+    let fits = ty.is_unknown() || port_accepts(port, &ty);
+    if !fits {
+        let expected = port_ty(port);
+        let wanted = Wanted::By(Span::NONE, format!("`{name}` takes {}", port_text(port)));
+        report::type_mismatch(cx, value, &expected, &crate::ty::Misfit::Kind, &wanted);
+    }
+    fits
+}
+
+pub(crate) fn fits_param(
+    cx: &mut Body<'_, '_>,
+    value: ExprId,
+    param: ParamType,
+    name: &str,
+) -> bool {
+    let port = match param {
+        ParamType::One(scalar) => PortType::One(scalar),
+        ParamType::Array(scalar) => PortType::Array(scalar),
+        ParamType::Str => {
+            let ty = cx.ty_of(value).clone();
+            let fits = matches!(ty, Ty::Text | Ty::Device(_) | Ty::Unknown);
+            if !fits {
+                let wanted = Wanted::By(Span::NONE, format!("`{name}` takes a text"));
+                report::type_mismatch(cx, value, &Ty::Text, &crate::ty::Misfit::Kind, &wanted);
+            }
+            return fits;
+        }
+    };
+    fits_port(cx, value, port, name)
+}
+
+/// Returns the type of a primitive's only out-port, or a tuple of all out-ports by name.
+pub(crate) fn prim_type(
+    cx: &mut Body<'_, '_>,
+    desc: &'static PrimDesc,
+    slots: &Slots,
+    span: Span,
+) -> Ty {
+    let mut members = Vec::with_capacity(desc.outputs.len());
+    for (k, port) in desc.outputs.iter().enumerate() {
+        let ty = match port.ty {
+            PortType::One(scalar) => scalar_ty(scalar),
+            _ => sized_output_type(cx, desc, slots, k, span),
+        };
+        members.push(Member {
+            name: Some(port.name.into()),
+            ty,
+        });
+    }
+    match &members[..] {
+        [one] => one.ty.clone(),
+        _ => Ty::Tuple(members.into()),
+    }
+}
+
+fn sized_output_type(
+    cx: &mut Body<'_, '_>,
+    desc: &'static PrimDesc,
+    slots: &Slots,
+    port: usize,
+    span: Span,
+) -> Ty {
+    let inputs: Vec<Option<Type>> = slots
+        .inputs
+        .iter()
+        .map(|id| machine_type(cx.ty_of((*id)?)))
+        .collect();
+    let mut params = Vec::new();
+    for (given, param) in slots.params.iter().zip(desc.params) {
+        let value = match given {
+            Some(id) => param_value(cx, *id, param.ty),
+            None => param_default(param),
+        };
+        match value {
+            Some(value) => params.push(value),
+            None => return Ty::Unknown,
+        }
+    }
+    let args = ShapeArgs {
+        inputs: &inputs,
+        params: &params,
+    };
+    match desc.out_type(port, &args) {
+        Some(ty) => flow_type(ty),
+        None => {
+            let finding = Finding::new(
+                Code::RPI2009,
+                format!("size mismatch in the arguments of `{}`", desc.name),
+            )
+            .at(span, "cannot infer the size of its result");
+            report::report_diagnostic(cx, finding);
+            Ty::Unknown
+        }
+    }
+}
+
+fn param_value(cx: &mut Body<'_, '_>, id: ExprId, ty: ParamType) -> Option<Value> {
+    if matches!(ty, ParamType::Str) {
+        return Some(Value::Str(String::new()));
+    }
+    let leaves = consts::fold(cx, id)?;
+    match ty {
+        ParamType::Array(scalar) => Some(packed(scalar, &leaves)),
+        _ => leaves.first().cloned(),
+    }
+}
+
+fn port_accepts(port: PortType, ty: &Ty) -> bool {
+    match (port, ty) {
+        (PortType::One(scalar), ty) => ty.scalar() == Some(scalar),
+        (PortType::Array(scalar), Ty::Array(element, _)) => element.scalar() == Some(scalar),
+        (PortType::Matrix, Ty::Array(row, _)) => {
+            matches!(&**row, Ty::Array(element, _) if element.scalar() == Some(Scalar::Real))
+        }
+        _ => false,
+    }
+}
+
+pub(crate) fn port_ty(port: PortType) -> Ty {
+    match port {
+        PortType::One(scalar) => scalar_ty(scalar),
+        PortType::Array(_) | PortType::Matrix => Ty::Unknown,
+    }
+}
+
+fn port_text(port: PortType) -> String {
+    match port {
+        PortType::One(scalar) => format!("`{scalar}`"),
+        PortType::Array(scalar) => format!("an array of `{scalar}`"),
+        PortType::Matrix => "a matrix of reals".to_owned(),
+    }
+}
+
+/// Returns the type of a machine value without unit and frames.
+pub(crate) fn scalar_ty(scalar: Scalar) -> Ty {
+    match scalar {
+        Scalar::Bool => Ty::Bool,
+        Scalar::Int => Ty::Int,
+        Scalar::Real => Ty::REAL,
+        Scalar::Time => Ty::Time,
+        spatial => Ty::spatial(spatial),
+    }
+}
+
+fn flow_type(ty: Type) -> Ty {
+    match ty {
+        Type::One(scalar) => scalar_ty(scalar),
+        Type::Array(scalar, n) => Ty::Array(Rc::new(scalar_ty(scalar)), n),
+        Type::Matrix(rows, cols) => Ty::Array(Rc::new(Ty::Array(Rc::new(Ty::REAL), cols)), rows),
+    }
+}
+
+/// Returns the machine type of a value that a port of a primitive can take; `None` for other types.
+pub(crate) fn machine_type(ty: &Ty) -> Option<Type> {
+    if let Some(scalar) = ty.scalar() {
+        return Some(Type::One(scalar));
+    }
+    match ty {
+        Ty::Array(row, rows) => match &**row {
+            Ty::Array(_, cols) => Some(Type::Matrix(*rows, *cols)),
+            element => Some(Type::Array(element.scalar()?, *rows)),
+        },
+        _ => None,
+    }
+}
+
+/// Returns the default value of a parameter; `None` if it has none.
+pub(crate) fn param_default(param: &rpi_image::Param) -> Option<Value> {
+    match param.ty {
+        ParamType::One(scalar) => param.default.value(Type::One(scalar)),
+        ParamType::Array(scalar) => param.default.value(Type::Array(scalar, 0)),
+        ParamType::Str => param
+            .default
+            .value(Type::One(Scalar::Bool))
+            .map(|value| match value {
+                Value::Str(text) => Value::Str(text),
+                Value::Cells { .. } => Value::Str(String::new()),
+            }),
+    }
+}
+
+/// Packs leaves into one array value.
+pub(crate) fn packed(scalar: Scalar, leaves: &[Leaf]) -> Value {
+    let n = u32::try_from(leaves.len()).unwrap_or(u32::MAX);
+    Value::Cells {
+        ty: Type::Array(scalar, n),
+        cells: leaves
+            .iter()
+            .flat_map(|leaf| leaf.cells().iter().copied())
+            .collect(),
+    }
+}

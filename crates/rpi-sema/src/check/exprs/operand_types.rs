@@ -1,0 +1,222 @@
+//! Types of operands and results of binary operators.
+
+use crate::check::bodies::body::Body;
+use crate::check::bodies::statement;
+use crate::check::diagnostics::report;
+use crate::check::diagnostics::report::Wanted;
+use crate::check::exprs::expr;
+use crate::check::exprs::ops::Row;
+use crate::check::exprs::ops::Rule;
+use crate::check::types::consts;
+use crate::check::types::exact_time;
+use crate::check::types::frames;
+use crate::check::types::quantity;
+use crate::ty::{Geometry, Ty, join};
+use crate::typed::{ExprId, Kind, Leaf, Unit};
+use crate::units::{Dim, Ratio};
+use rpi_diag::{Code, Finding, Span};
+use rpi_image::Scalar;
+use rpi_syntax::ast::{Binary, ExprKind};
+use rpi_syntax::ops::{BinaryOp, Grouping};
+use std::rc::Rc;
+
+/// Whether an expression is the integer 0: a literal, or one operation on literals.
+pub(crate) fn is_zero(cx: &mut Body<'_, '_>, id: ExprId) -> bool {
+    let literal = |unit: &Unit, id: ExprId| matches!(unit.expr(id).kind, Kind::Literal(_));
+    let known = match &cx.unit.expr(id).kind {
+        Kind::Literal(_) => true,
+        Kind::Prim(call) => {
+            let mut inputs = call.inputs.iter().flatten();
+            inputs.all(|input| literal(&cx.unit, *input))
+        }
+        _ => false,
+    };
+    let value = known.then(|| consts::try_fold(cx, id).ok()).flatten();
+    value.is_some_and(|leaves| leaves.first().and_then(Leaf::as_int) == Some(0))
+}
+
+pub(crate) fn division_by_zero(cx: &mut Body<'_, '_>, op: BinaryOp, divisor: ExprId) {
+    let message = format!("`{}` by zero is undefined", op.spelling());
+    let finding = Finding::new(Code::RPI2012, message)
+        .at(cx.span_of(divisor), "this is 0 in every cycle")
+        .help("use a divisor other than 0");
+    report::report_diagnostic(cx, finding);
+}
+
+/// Extends the fix that writes the first integer of `x * 2 + 1` as a real to the other integers of the expression.
+pub(crate) fn extend_real_fix(cx: &mut Body<'_, '_>, left: ExprId, right: ExprId) {
+    let is_int =
+        |body: &Body, id| report::is_number_literal(body, id) && *body.ty_of(id) == Ty::Int;
+    let (faulty, int) = match (is_int(cx, left), is_int(cx, right)) {
+        (false, true) => (cx.span_of(left), cx.span_of(right)),
+        (true, false) => (cx.span_of(right), cx.span_of(left)),
+        _ => return,
+    };
+    let Some(finding) = cx.made_real.and_then(|at| cx.findings.get_mut(at)) else {
+        return;
+    };
+    let place = finding.span();
+    let is_inside = place.start >= faulty.start && place.end <= faulty.end;
+    if let Some(fix) = finding.fixes.first_mut().filter(|_| is_inside) {
+        *fix = fix.clone().insert_after(int, ".0");
+    }
+}
+
+pub(crate) fn result_type(cx: &mut Body<'_, '_>, row: &Row, left: ExprId, right: ExprId) -> Ty {
+    let (a, b) = (cx.ty_of(left).clone(), cx.ty_of(right).clone());
+    match row.rule {
+        Rule::Same => common_operand_type(cx, row.op, left, right),
+        Rule::Test => {
+            common_operand_type(cx, row.op, left, right);
+            Ty::Bool
+        }
+        Rule::Times => scaled_type(cx, &a, &b, Dim::times, left),
+        Rule::Over => scaled_type(cx, &a, &b, Dim::over, left),
+        Rule::Power => power_type(cx, &a, left, right),
+        Rule::Compose => frames::composed_pose_type(cx, left, right),
+        Rule::Moment => {
+            statement::expect_type(cx, right, &Ty::Real(Dim::TIME), &Wanted::Here);
+            Ty::Time
+        }
+        Rule::Seconds => Ty::Real(Dim::TIME),
+    }
+}
+
+fn common_operand_type(cx: &mut Body<'_, '_>, op: BinaryOp, left: ExprId, right: ExprId) -> Ty {
+    exact_time::unify_times(cx, left, right);
+    let (a, b) = (cx.ty_of(left).clone(), cx.ty_of(right).clone());
+    match (join(&a, &b), &a, &b) {
+        (Ok(ty), ..) => {
+            expr::check_angle_unit(cx, left, &ty);
+            expr::check_angle_unit(cx, right, &ty);
+            ty
+        }
+        (Err(_), Ty::Real(_), Ty::Real(_)) => {
+            let sides = (
+                report::measured_value(cx, left),
+                report::measured_value(cx, right),
+            );
+            report::report_diagnostic(cx, quantity::apart(op.spelling(), sides.0, sides.1));
+            Ty::Unknown
+        }
+        (Err(misfit), ..) => {
+            let wanted = Wanted::By(cx.span_of(left), format!("this is `{a}`"));
+            report::type_mismatch(cx, right, &a, &misfit, &wanted);
+            Ty::Unknown
+        }
+    }
+}
+
+/// Returns the type of a product or quotient; `combine` multiplies or divides the dimensions.
+fn scaled_type(
+    cx: &mut Body<'_, '_>,
+    a: &Ty,
+    b: &Ty,
+    combine: fn(Dim, Dim) -> Option<Dim>,
+    at: ExprId,
+) -> Ty {
+    let dims = (dim_of(a), dim_of(b));
+    let dim = match dims {
+        (Some(a), Some(b)) => combine(a, b),
+        _ => None,
+    };
+    let spatial = [a, b].into_iter().find_map(|ty| match ty {
+        Ty::Spatial(scalar, geometry) => Some((*scalar, geometry)),
+        _ => None,
+    });
+    match (spatial, dim) {
+        (Some((scalar, geometry)), dim) => {
+            let geometry = Geometry {
+                dim,
+                ..(**geometry).clone()
+            };
+            Ty::Spatial(scalar, Rc::new(geometry))
+        }
+        (None, Some(dim)) => Ty::Real(dim),
+        (None, None) => {
+            let finding = Finding::new(Code::RPI2002, "exponent of a dimension out of range")
+                .at(cx.span_of(at), "too many factors");
+            report::report_diagnostic(cx, finding);
+            Ty::Unknown
+        }
+    }
+}
+
+fn power_type(cx: &mut Body<'_, '_>, base: &Ty, left: ExprId, right: ExprId) -> Ty {
+    statement::expect_type(
+        cx,
+        right,
+        &Ty::REAL,
+        &Wanted::By(Span::NONE, "an exponent has no unit".into()),
+    );
+    let dim = dim_of(base).unwrap_or(Dim::ONE);
+    if dim.is_plain() {
+        return Ty::REAL;
+    }
+    let exponent = consts::fold_silently(cx, right).and_then(|leaves| leaves.first()?.as_real());
+    let power = exponent.and_then(Ratio::of_real).and_then(|e| dim.power(e));
+    power.map_or_else(
+        || {
+            let finding = Finding::new(
+                Code::RPI2002,
+                format!("cannot infer the dimension of a power of `{dim}`"),
+            )
+            .at(
+                cx.span_of(right),
+                "the exponent must be a constant small fraction",
+            )
+            .also(cx.span_of(left), format!("this is in `{dim}`"));
+            report::report_diagnostic(cx, finding);
+            Ty::Unknown
+        },
+        Ty::Real,
+    )
+}
+
+pub(crate) fn equality(
+    cx: &mut Body<'_, '_>,
+    op: BinaryOp,
+    left: ExprId,
+    right: ExprId,
+    span: Span,
+) -> ExprId {
+    let ty = common_operand_type(cx, op, left, right);
+    if matches!(ty, Ty::Device(_) | Ty::Text) {
+        let finding = Finding::new(
+            Code::RPI2006,
+            format!("`{}` cannot take `{ty}`", op.spelling()),
+        )
+        .at(cx.span_of(left), format!("this is `{ty}`"));
+        return cx.fault_with(finding, span);
+    }
+    let negated = op == BinaryOp::Ne;
+    let operands = [left, right];
+    cx.add(Kind::Equal { operands, negated }, Ty::Bool, span)
+}
+
+/// Whether this is a chained comparison `a < b < c`, which the parser has reported.
+pub(crate) fn is_chained(binary: &Binary) -> bool {
+    let single = |op: BinaryOp| op.grouping() == Grouping::None;
+    match &binary.lhs.kind {
+        ExprKind::Binary(inner) => single(binary.op) && single(inner.op),
+        _ => false,
+    }
+}
+
+/// Returns the machine type for the lookup of operators; `None` for enums, results, machine integers and durations.
+pub(crate) fn operand_kind(ty: &Ty) -> Option<Scalar> {
+    match ty {
+        Ty::Enum(_) | Ty::Result | Ty::Machine(_) | Ty::Duration => None,
+        other => other.scalar(),
+    }
+}
+
+/// Returns the dimension of a factor, dividend or divisor; `None` if its type has no single dimension.
+fn dim_of(ty: &Ty) -> Option<Dim> {
+    match ty {
+        Ty::Real(dim) => Some(*dim),
+        Ty::Spatial(_, geometry) => geometry.dim,
+        Ty::Int => Some(Dim::ONE),
+        _ => None,
+    }
+}
