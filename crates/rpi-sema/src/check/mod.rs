@@ -120,7 +120,7 @@ pub fn check(program: &Program<'_>) -> Checked {
         .extend(crate::check::diagnostics::dialect::check(&checker.units));
     crate::check::diagnostics::undefined_names::once_for_each_fix(&mut checker.findings);
     crate::check::diagnostics::undefined_names::once_for_each_name(&mut checker.findings);
-    if !checker.outside.is_empty() {
+    if !checker.valueless_constants.is_empty() {
         checker
             .findings
             .retain(|finding| !crate::check::signatures::sample_check::may_be_its_fault(finding));
@@ -177,50 +177,63 @@ struct Checker<'a> {
     program: &'a Program<'a>,
     /// Units by index; empty until they are checked.
     units: Vec<Unit>,
-    /// Header and progress of each unit, by index.
-    entries: Vec<crate::check::signatures::unit::Entry>,
-    /// Whether the diagnostic about too many instances or too many expressions has been reported.
-    too_many_units: bool,
-    /// Errors already reported in instances, by generic declaration, code and location.
-    told_of_instances: BTreeSet<(DeclId, Code, Span)>,
-    /// Generic declarations with a reported error. No errors are reported in their instances.
-    faulty_generics: Set<DeclId>,
-    /// Number of expressions and flows of all checked units, plus a share for the leaves of constants.
-    written_out: usize,
-    /// Upper limit of `written_out`.
-    most: usize,
-    /// Number of nested instances around the current unit: each is created while the previous one is checked.
-    depth: u32,
-    /// Units by the key of their instance: declaration and static arguments.
-    unit_ids: Map<String, UnitId>,
-    /// Declarations that have a unit.
-    called: Set<DeclId>,
-    /// Units that wait to be checked.
-    queue: VecDeque<UnitId>,
+    /// Instances of the declarations.
+    instances: Instances,
+    /// Sizes and depths, and their limits.
+    limits: Limits,
     constants: Map<DeclId, Lazy<Constant>>,
     types: Map<String, Lazy<Ty>>,
     headers: Map<String, Option<Rc<Header>>>,
     findings: Vec<Finding>,
     /// Constants and types in progress, each needed by the previous one.
-    open: Vec<DeclId>,
-    /// Number of nested expressions and declarations in progress, each needed by the previous one.
-    nesting: u32,
-    /// Number of callables whose ports are being resolved.
-    headers_open: u32,
+    in_progress: Vec<DeclId>,
     /// Devices that each task drives.
     task_uses: Map<DeclId, Rc<task::Uses>>,
-    /// Whether the diagnostic about too deeply nested declarations has been reported.
-    too_deep: bool,
     /// Aliases of callables being resolved, each needed by the previous one.
     aliases: Vec<DeclId>,
     /// Aliases with a dependency cycle.
-    ringed: BTreeSet<DeclId>,
+    cyclic_aliases: BTreeSet<DeclId>,
     /// Number of names that may still be compared for "did you mean".
-    patience: Cell<usize>,
+    suggestion_budget: Cell<usize>,
     /// Constants that depend on constants without a value, with the diagnostic for their use.
-    outside: BTreeMap<DeclId, Finding>,
+    valueless_constants: BTreeMap<DeclId, Finding>,
     /// Types whose conditions refer to earlier cycles.
-    temporal: BTreeSet<DeclId>,
+    temporal_types: BTreeSet<DeclId>,
+}
+
+/// Instances of the declarations: one unit for each choice of static arguments.
+#[derive(Default)]
+struct Instances {
+    /// Header and progress of each unit, by index.
+    entries: Vec<crate::check::signatures::unit::Entry>,
+    /// Units by the key of their instance: declaration and static arguments.
+    ids: Map<String, UnitId>,
+    /// Declarations that have a unit.
+    called: Set<DeclId>,
+    /// Units that wait to be checked.
+    queue: VecDeque<UnitId>,
+    /// Number of nested instances around the current unit: each is created while the previous one is checked.
+    depth: u32,
+    /// Errors already reported in instances, by generic declaration, code and location.
+    reported: BTreeSet<(DeclId, Code, Span)>,
+    /// Generic declarations with a reported error. No errors are reported in their instances.
+    erroneous_generics: Set<DeclId>,
+}
+
+/// Sizes and depths of the program so far, and their limits.
+struct Limits {
+    /// Number of expressions and flows of all checked units, plus a share for the leaves of constants.
+    expanded_size: usize,
+    /// Upper limit of `expanded_size`.
+    max_expanded_size: usize,
+    /// Whether the diagnostic about too many instances or too many expressions has been reported.
+    size_reported: bool,
+    /// Number of nested expressions and declarations in progress, each needed by the previous one.
+    nesting: u32,
+    /// Number of callables whose ports are being resolved.
+    header_depth: u32,
+    /// Whether the diagnostic about too deeply nested declarations has been reported.
+    nesting_reported: bool,
 }
 
 /// Number of names compared for "did you mean" in one program. With very many undefined names only the first ones get a
@@ -232,30 +245,26 @@ impl<'a> Checker<'a> {
         Checker {
             program,
             units: Vec::new(),
-            entries: Vec::new(),
-            too_many_units: false,
-            told_of_instances: BTreeSet::new(),
-            faulty_generics: Set::default(),
-            written_out: 0,
-            most: crate::check::limits::nesting::most(program),
-            depth: 0,
-            unit_ids: Map::default(),
-            called: Set::default(),
-            queue: VecDeque::new(),
+            instances: Instances::default(),
+            limits: Limits {
+                expanded_size: 0,
+                max_expanded_size: limits::nesting::most(program),
+                size_reported: false,
+                nesting: 0,
+                header_depth: 0,
+                nesting_reported: false,
+            },
             constants: Map::default(),
             types: Map::default(),
             headers: Map::default(),
             findings: Vec::new(),
-            open: Vec::new(),
-            nesting: 0,
-            headers_open: 0,
+            in_progress: Vec::new(),
             task_uses: Map::default(),
-            too_deep: false,
             aliases: Vec::new(),
-            ringed: BTreeSet::new(),
-            patience: Cell::new(PATIENCE),
-            outside: BTreeMap::new(),
-            temporal: BTreeSet::new(),
+            cyclic_aliases: BTreeSet::new(),
+            suggestion_budget: Cell::new(PATIENCE),
+            valueless_constants: BTreeMap::new(),
+            temporal_types: BTreeSet::new(),
         }
     }
 
@@ -265,8 +274,11 @@ impl<'a> Checker<'a> {
 
     /// Returns the most similar of these names, if it is similar enough for a suggestion.
     fn suggest<'n>(&self, name: &str, names: impl Iterator<Item = &'n str>) -> Option<String> {
-        let names = names.take(self.patience.get());
-        let names = names.inspect(|_| self.patience.set(self.patience.get().saturating_sub(1)));
+        let names = names.take(self.suggestion_budget.get());
+        let names = names.inspect(|_| {
+            self.suggestion_budget
+                .set(self.suggestion_budget.get().saturating_sub(1))
+        });
         rpi_diag::suggest(name, names)
     }
 

@@ -139,8 +139,12 @@ pub(crate) fn add_contribution(cx: &mut Body<'_, '_>, name: &Ident, outer: FlowI
     };
     let ty = shared.ty.clone();
     let version = locals::add_flow(cx, name, ty, optional, FlowRole::Local);
-    cx.shares.insert(version, outer);
-    cx.versions.entry(outer).or_default().push(version);
+    cx.shared.flow_of.insert(version, outer);
+    cx.shared
+        .contributions
+        .entry(outer)
+        .or_default()
+        .push(version);
     version
 }
 
@@ -149,7 +153,7 @@ pub(crate) fn enclosing_shared_flows<'s>(
     cx: &'s Body<'_, '_>,
     flow: FlowId,
 ) -> impl Iterator<Item = FlowId> + 's {
-    let outer = |flow: &FlowId| cx.shares.get(flow).copied();
+    let outer = |flow: &FlowId| cx.shared.flow_of.get(flow).copied();
     std::iter::successors(outer(&flow), outer)
 }
 
@@ -220,7 +224,7 @@ fn resolve_target_state<'a>(
         let finding = match state_in_other_automaton(cx, &target.name) {
             Some(place) => undefined_names::state_elsewhere(target, place),
             None => {
-                let near = cx.c.suggest(&target.name, names);
+                let near = cx.checker.suggest(&target.name, names);
                 undefined_names::unknown_state(target, near)
             }
         };

@@ -27,7 +27,7 @@ pub(crate) fn declare_equation_block<'a>(cx: &mut Body<'_, 'a>, means: &'a Meani
             true => {
                 let flows = equation.targets.iter();
                 let flows: Vec<_> = flows.filter_map(|t| cx.local_flow(&t.name.name)).collect();
-                cx.broken.extend(flows);
+                cx.reported.erroneous_flows.extend(flows);
             }
             false => statement::declare_equation(cx, equation, *span),
         }

@@ -25,140 +25,167 @@ use std::rc::Rc;
 
 /// Body that is being checked.
 pub(crate) struct Body<'c, 'a> {
-    pub(crate) c: &'c mut Checker<'a>,
+    pub(crate) checker: &'c mut Checker<'a>,
     /// Module of the declaration, in which names are resolved.
     pub(crate) module: ModuleId,
     /// Language of the file, which decides the keywords: RPI or Lustre.
     pub(crate) mode: Mode,
     /// Static arguments of the instance.
     pub(crate) statics: Rc<Statics>,
+    /// Number of reads of static parameters.
+    pub(crate) static_read_count: usize,
     /// Typed result so far.
     pub(crate) unit: Unit,
     /// Block whose text is being checked.
     pub(crate) block: BlockId,
     /// Declared names, by block index.
     pub(crate) scopes: Vec<Scope>,
+    /// Names bound by expressions around the current one.
+    pub(crate) bindings: Bindings,
     /// All equations of the body.
     pub(crate) pending: Vec<Pending<'a>>,
-    /// For each flow without a declared type, the index in `pending` of the equation that defines it.
-    pub(crate) defined_by: Vec<Option<usize>>,
-    /// Local declarations by block. Their clocks are resolved when all flows are declared.
-    pub(crate) clocks_stated: Vec<(BlockId, &'a [Locals])>,
-    /// For each flow local to a state, the shared flow outside that it contributes to.
-    pub(crate) shares: Map<FlowId, FlowId>,
-    /// For each shared flow, the flows local to states that contribute to it. The inverse of `shares`.
-    pub(crate) versions: Map<FlowId, Vec<FlowId>>,
-    /// For each shared flow with an equation beside the automaton, the flow of that equation (see `defaults.rs`).
-    pub(crate) defaults: Map<FlowId, FlowId>,
-    /// Reads of flows whose types were not known yet.
-    pub(crate) missing: Vec<Missing>,
-    /// Flows that a faulty statement may define. No missing definition is reported for them.
-    pub(crate) broken: Vec<FlowId>,
-    /// Undefined names of flows that have been reported.
-    pub(crate) unknown: Told<Name>,
-    /// Flows reported as not usable as clocks.
-    pub(crate) no_clocks: Told<FlowId>,
-    /// Whether types are being inferred. Errors are reported later, when all types are known.
-    pub(crate) inferring: bool,
-    /// Policy for guessing types from number literals.
-    pub(crate) guesses: Guess,
+    /// Declarations and equations that are resolved when all flows are declared.
+    pub(crate) definitions: Definitions<'a>,
+    /// Flows that the states of an automaton define together.
+    pub(crate) shared: SharedFlows,
+    /// Inference of the types of flows without a declared type.
+    pub(crate) inference: Inference,
+    /// Use of exact time.
+    pub(crate) times: Times,
+    /// Contracts of the body.
+    pub(crate) contract: Contracts<'a>,
     /// Whether a signature is being checked, where frames need no declaration.
     pub(crate) in_signature: bool,
-    /// Locations of number literals without a unit.
-    pub(crate) numbers: Set<Span>,
     /// Location of the first expression with state.
-    pub(crate) state_at: Option<Span>,
-    /// Names bound by expressions, innermost last.
-    pub(crate) bound: Vec<Bound>,
-    /// Equations that define an array element by element.
-    pub(crate) elements: Vec<&'a rpi_syntax::ast::Equation>,
-    /// Number of equations that define parts of a flow, by name.
-    pub(crate) parts_defined: Map<Name, u32>,
+    pub(crate) first_state_span: Option<Span>,
+    /// Diagnostics of this body.
+    pub(crate) findings: Vec<Finding>,
+    /// Names and flows with a reported error.
+    pub(crate) reported: Reported,
+}
+
+/// Names bound by expressions, and where in these expressions the current one is.
+#[derive(Default)]
+pub(crate) struct Bindings {
+    /// Bound names, innermost last.
+    pub(crate) bound_names: Vec<Bound>,
     /// Number of `pre` operators around the current expression.
-    pub(crate) past: u32,
-    /// Number of reads of static parameters.
-    pub(crate) statics_read: usize,
+    pub(crate) pre_depth: u32,
     /// Number of names bound before the bound variable whose type is being checked. The type must not depend on these.
-    pub(crate) fixed_before: Option<usize>,
+    pub(crate) forbidden: Option<usize>,
     /// Whether the current expression is in a branch chosen by a condition on a bound variable.
-    pub(crate) guarded: bool,
+    pub(crate) in_guarded_branch: bool,
+}
+
+/// Declarations and equations that are resolved when all flows of the body are declared.
+#[derive(Default)]
+pub(crate) struct Definitions<'a> {
+    /// Local declarations by block, whose clocks are resolved later.
+    pub(crate) declared_clocks: Vec<(BlockId, &'a [Locals])>,
+    /// Equations that define an array element by element.
+    pub(crate) element_equations: Vec<&'a rpi_syntax::ast::Equation>,
+    /// Number of equations that define parts of a flow, by name.
+    pub(crate) part_equation_counts: Map<Name, u32>,
+}
+
+/// Flows that the states of an automaton define together.
+#[derive(Default)]
+pub(crate) struct SharedFlows {
+    /// For each flow local to a state, the shared flow outside that it contributes to.
+    pub(crate) flow_of: Map<FlowId, FlowId>,
+    /// For each shared flow, the flows local to states that contribute to it. The inverse of `flow_of`.
+    pub(crate) contributions: Map<FlowId, Vec<FlowId>>,
+    /// For each shared flow with an equation beside the automaton, the flow of that equation (see `defaults.rs`).
+    pub(crate) defaults: Map<FlowId, FlowId>,
+}
+
+/// State of the inference of types.
+#[derive(Default)]
+pub(crate) struct Inference {
+    /// Whether types are being inferred. Errors are reported later, when all types are known.
+    pub(crate) is_running: bool,
+    /// For each flow without a declared type, the index in `pending` of the equation that defines it.
+    pub(crate) defined_by: Vec<Option<usize>>,
+    /// Reads of flows whose types were not known yet.
+    pub(crate) unknown_reads: Vec<Missing>,
+    /// Policy for guessing types from number literals.
+    pub(crate) guess_policy: Guess,
+    /// Locations of number literals without a unit.
+    pub(crate) number_literals: Set<Span>,
+    /// Index of the diagnostic whose fix writes a number as a real. Adjacent numbers extend this fix.
+    pub(crate) real_fix_index: Option<usize>,
+}
+
+/// Use of exact time in the body.
+#[derive(Default)]
+pub(crate) struct Times {
+    /// Whether the body contains an exact time.
+    pub(crate) are_used: bool,
+    /// Flows declared in seconds, with the locations of their types.
+    pub(crate) declared_seconds: Vec<(FlowId, Span)>,
+}
+
+/// State of checking the contracts of the body.
+#[derive(Default)]
+pub(crate) struct Contracts<'a> {
     /// Contracts imported by the contracts of the body.
     pub(crate) imports: Vec<Import<'a>>,
-    /// For each mode of the last checked contract, the condition under which it applies.
-    pub(crate) applies: Vec<ExprId>,
     /// Whether the body is that of a declared contract.
     pub(crate) is_contract: bool,
     /// Whether names of callees are resolved as contracts instead of nodes.
-    pub(crate) importing: bool,
+    pub(crate) resolving_contract: bool,
     /// Modes of the contract being checked.
     pub(crate) modes: Vec<&'a rpi_syntax::ast::ContractMode>,
+    /// For each mode of the last checked contract, the condition under which it applies.
+    pub(crate) mode_conditions: Vec<ExprId>,
     /// Modes whose conditions are being checked, each needed by the previous one.
-    pub(crate) open_modes: Vec<Name>,
+    pub(crate) modes_in_progress: Vec<Name>,
     /// Whether a dependency cycle of modes has been reported.
-    pub(crate) ringed_modes: bool,
+    pub(crate) mode_cycle_reported: bool,
     /// While a claim is being checked: the first part of it that no run can evaluate.
-    pub(crate) claim: Option<Unwatched>,
-    /// Whether the body contains an exact time.
-    pub(crate) has_times: bool,
-    /// Flows declared in seconds, with the locations of their types.
-    pub(crate) seconds: Vec<(FlowId, Span)>,
-    /// Diagnostics of this body.
-    pub(crate) findings: Vec<Finding>,
-    /// Index of the diagnostic whose fix writes a number as a real. Adjacent numbers extend this fix.
-    pub(crate) made_real: Option<usize>,
+    pub(crate) claim_check: Option<Unwatched>,
+}
+
+/// Names and flows with a reported error, for which nothing more is reported.
+#[derive(Default)]
+pub(crate) struct Reported {
+    /// Flows that a faulty statement may define. No missing definition is reported for them.
+    pub(crate) erroneous_flows: Vec<FlowId>,
+    /// Undefined names of flows.
+    pub(crate) undefined_names: Told<Name>,
+    /// Flows that cannot be clocks.
+    pub(crate) invalid_clocks: Told<FlowId>,
 }
 
 impl<'c, 'a> Body<'c, 'a> {
     /// Creates the state for the body of a declaration with these static arguments.
     pub(crate) fn new(
-        c: &'c mut Checker<'a>,
+        checker: &'c mut Checker<'a>,
         decl: DeclId,
         statics: Rc<Statics>,
         unit: Unit,
     ) -> Self {
-        let decl = c.program.decl(decl);
+        let decl = checker.program.decl(decl);
         Body {
             module: decl.module,
             mode: decl.mode,
-            c,
+            checker,
             statics,
+            static_read_count: 0,
             scopes: unit.blocks.iter().map(|_| Scope::default()).collect(),
             unit,
             block: BlockId::ROOT,
+            bindings: Bindings::default(),
             pending: Vec::new(),
-            defined_by: Vec::new(),
-            clocks_stated: Vec::new(),
-            shares: Map::default(),
-            versions: Map::default(),
-            defaults: Map::default(),
-            missing: Vec::new(),
-            broken: Vec::new(),
-            unknown: Told::default(),
-            no_clocks: Told::default(),
-            inferring: false,
-            guesses: Guess::Nothing,
+            definitions: Definitions::default(),
+            shared: SharedFlows::default(),
+            inference: Inference::default(),
+            times: Times::default(),
+            contract: Contracts::default(),
             in_signature: false,
-            numbers: Set::default(),
-            state_at: None,
-            bound: Vec::new(),
-            elements: Vec::new(),
-            parts_defined: Map::default(),
-            past: 0,
-            statics_read: 0,
-            fixed_before: None,
-            guarded: false,
-            imports: Vec::new(),
-            applies: Vec::new(),
-            is_contract: false,
-            importing: false,
-            modes: Vec::new(),
-            open_modes: Vec::new(),
-            ringed_modes: false,
-            claim: None,
-            has_times: false,
-            seconds: Vec::new(),
+            first_state_span: None,
             findings: Vec::new(),
-            made_real: None,
+            reported: Reported::default(),
         }
     }
 
@@ -170,7 +197,7 @@ impl<'c, 'a> Body<'c, 'a> {
 
     /// Moves the diagnostics to the checker and returns the unit.
     pub(crate) fn leave(mut self) -> Unit {
-        self.c.findings.append(&mut self.findings);
+        self.checker.findings.append(&mut self.findings);
         self.unit
     }
 
@@ -181,7 +208,7 @@ impl<'c, 'a> Body<'c, 'a> {
             && crate::check::types::exact_time::may_be_converted(&self.unit, &kind, &ty)
         {
             true => {
-                self.has_times |= ty == Ty::Duration;
+                self.times.are_used |= ty == Ty::Duration;
                 let base = self.push(kind, ty.clone(), span);
                 self.push(Kind::Part { base, at: 0 }, ty, span)
             }
@@ -240,12 +267,14 @@ impl<'c, 'a> Body<'c, 'a> {
 
     /// Records an undefined name of a flow; returns whether it has not been reported before.
     pub(crate) fn is_new_unknown(&mut self, name: &Name) -> bool {
-        self.unknown.tell(name, self.findings.len())
+        self.reported
+            .undefined_names
+            .tell(name, self.findings.len())
     }
 
     /// Records an expression with state. Functions report it, as they must not have state.
     pub(crate) fn has_state(&mut self, span: Span) {
-        self.state_at.get_or_insert(span);
+        self.first_state_span.get_or_insert(span);
     }
 }
 

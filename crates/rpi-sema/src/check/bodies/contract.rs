@@ -62,7 +62,7 @@ fn report_hidden_ports(cx: &mut Body<'_, '_>, name: &ast::Ident) {
 /// not count, as they belong to the importing node.
 fn port_span(cx: &Body<'_, '_>, name: &Name) -> Option<Span> {
     let flow = cx.local_flow(name).map(|flow| cx.unit.flow(flow));
-    let flow = flow.filter(|flow| !cx.is_contract || flow.role != FlowRole::Input);
+    let flow = flow.filter(|flow| !cx.contract.is_contract || flow.role != FlowRole::Input);
     flow.map(|flow| flow.span)
 }
 
@@ -79,7 +79,7 @@ fn declare_modes<'a>(cx: &mut Body<'_, 'a>, contract: &'a Contract) {
             report::report_diagnostic(cx, finding);
         }
     }
-    cx.modes = contract.modes.iter().collect();
+    cx.contract.modes = contract.modes.iter().collect();
 }
 
 /// Checks `::m`, whether a mode of the contract applies, or `::c::m` for a mode of an imported contract.
@@ -88,17 +88,21 @@ pub(crate) fn mode_condition(cx: &mut Body<'_, '_>, name: &str, span: Span) -> E
         return imported::imported_mode_condition(cx, contract, mode, span);
     }
     let Some(mode) = cx
+        .contract
         .modes
         .iter()
         .copied()
         .find(|mode| mode.name.name == *name)
     else {
-        let near = rpi_diag::suggest(name, cx.modes.iter().map(|mode| mode.name.name.as_str()));
+        let near = rpi_diag::suggest(
+            name,
+            cx.contract.modes.iter().map(|mode| mode.name.name.as_str()),
+        );
         let finding = crate::check::diagnostics::report::unknown("mode", name, span, near);
         return cx.fault_with(finding, span);
     };
-    if cx.open_modes.contains(&mode.name.name) {
-        if std::mem::replace(&mut cx.ringed_modes, true) {
+    if cx.contract.modes_in_progress.contains(&mode.name.name) {
+        if std::mem::replace(&mut cx.contract.mode_cycle_reported, true) {
             return cx.fault(span);
         }
         let message = format!("dependency cycle: the mode `{name}` depends on itself");
@@ -107,9 +111,9 @@ pub(crate) fn mode_condition(cx: &mut Body<'_, '_>, name: &str, span: Span) -> E
             .also(mode.name.span, "declared here");
         return cx.fault_with(finding, span);
     }
-    cx.open_modes.push(mode.name.name.clone());
+    cx.contract.modes_in_progress.push(mode.name.name.clone());
     let applies = requirement_condition(cx, mode);
-    cx.open_modes.pop();
+    cx.contract.modes_in_progress.pop();
     applies
 }
 
@@ -136,7 +140,7 @@ pub(crate) fn check_contract<'a>(cx: &mut Body<'_, 'a>, contract: &'a Contract) 
         end: last.name.span.end,
         ..first.name.span
     };
-    cx.applies.clone_from(&applies);
+    cx.contract.mode_conditions.clone_from(&applies);
     let condition = join_conditions(cx, BinaryOp::Or, applies, span);
     cx.current().claims.push(Claim {
         kind: ClaimKind::Modes,
@@ -149,9 +153,9 @@ pub(crate) fn check_contract<'a>(cx: &mut Body<'_, 'a>, contract: &'a Contract) 
 
 /// Checks a mode and returns the condition under which it applies.
 fn check_mode<'a>(cx: &mut Body<'_, 'a>, mode: &'a ContractMode) -> ExprId {
-    cx.open_modes.push(mode.name.name.clone());
+    cx.contract.modes_in_progress.push(mode.name.name.clone());
     let applies = requirement_condition(cx, mode);
-    cx.open_modes.pop();
+    cx.contract.modes_in_progress.pop();
     for ensure in &mode.ensures {
         let (label, span) = (label_of(ensure), ensure.condition.span);
         let Some(holds) = check_claim_condition(cx, &ensure.condition) else {
@@ -185,9 +189,9 @@ fn join_conditions(
 /// Checks the condition of a claim; returns `None` if no run can evaluate it.
 fn check_claim_condition<'a>(cx: &mut Body<'_, 'a>, condition: &'a ast::Expr) -> Option<ExprId> {
     let before = cx.findings.len();
-    cx.claim = Some(Unwatched::default());
+    cx.contract.claim_check = Some(Unwatched::default());
     let value = statement::check_condition(cx, condition, "a claim");
-    let Unwatched(Some(span)) = cx.claim.take().unwrap_or_default() else {
+    let Unwatched(Some(span)) = cx.contract.claim_check.take().unwrap_or_default() else {
         return Some(value);
     };
     if !report::has_error_since(cx, before) {

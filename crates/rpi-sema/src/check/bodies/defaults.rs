@@ -39,15 +39,15 @@ fn declare_default(cx: &mut Body<'_, '_>, name: &Ident) {
             locals::introduce_flow(cx, name)
         }
     };
-    if !cx.defaults.contains_key(&shared) {
+    if !cx.shared.defaults.contains_key(&shared) {
         let default = automaton::add_contribution(cx, name, shared);
-        cx.defaults.insert(shared, default);
+        cx.shared.defaults.insert(shared, default);
     }
 }
 
 /// Returns the flow that an equation for `flow` in the current block defines: the default flow, if there is one.
 pub(crate) fn defined_flow(cx: &Body<'_, '_>, flow: FlowId) -> FlowId {
-    match cx.defaults.get(&flow) {
+    match cx.shared.defaults.get(&flow) {
         Some(default) if cx.unit.flow(*default).block == cx.block => *default,
         _ => flow,
     }
@@ -56,7 +56,7 @@ pub(crate) fn defined_flow(cx: &Body<'_, '_>, flow: FlowId) -> FlowId {
 /// Returns the default of a shared flow: its own, or that of an outer shared flow to which it contributes.
 pub(crate) fn shared_flow_default(cx: &Body<'_, '_>, flow: FlowId) -> Option<FlowId> {
     let mut around = std::iter::once(flow).chain(automaton::enclosing_shared_flows(cx, flow));
-    around.find_map(|flow| cx.defaults.get(&flow).copied())
+    around.find_map(|flow| cx.shared.defaults.get(&flow).copied())
 }
 
 /// Returns the names that the states of a body's automata define and do not declare.

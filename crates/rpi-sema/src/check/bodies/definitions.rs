@@ -14,7 +14,10 @@ pub(crate) fn check_definitions(cx: &mut Body<'_, '_>) {
     for (id, flow) in (0..).map(FlowId).zip(&cx.unit.flows) {
         let own = std::iter::from_fn(|| parts.next_if(|part| part.flow == id));
         let own: Vec<DefinedPart> = own.collect();
-        if flow.role.has_equation() && !flow.ty.has_unknown() && !cx.broken.contains(&id) {
+        if flow.role.has_equation()
+            && !flow.ty.has_unknown()
+            && !cx.reported.erroneous_flows.contains(&id)
+        {
             findings.extend(definition_fault(&cx.unit, id, &own));
         }
     }

@@ -51,7 +51,7 @@ pub(crate) fn count_parts(cx: &mut Body<'_, '_>, statements: &[Statement]) {
         let parts = equation.targets.iter();
         for target in parts.filter(|target| !target.path.is_empty()) {
             let name = target.name.name.clone();
-            *cx.parts_defined.entry(name).or_insert(0) += 1;
+            *cx.definitions.part_equation_counts.entry(name).or_insert(0) += 1;
         }
     }
 }
@@ -62,11 +62,11 @@ fn elementwise_array_name<'t>(cx: &Body<'_, '_>, target: &'t Target) -> Option<&
         return None;
     };
     let name = index.as_name()?;
-    let found = cx.c.program.lookup_in(Space::Value, cx.module, name);
+    let found = cx.checker.program.lookup_in(Space::Value, cx.module, name);
     let is_outside = matches!(found, Lookup::Found(_));
     // If it is the only equation of the array, it cannot be meant for one element: the index hides the constant of
     // the same name.
-    let is_only = || cx.parts_defined.get(&target.name.name) == Some(&1);
+    let is_only = || cx.definitions.part_equation_counts.get(&target.name.name) == Some(&1);
     let known = matches!(locals::find_local(cx, name), Some(Local::Constant(_)))
         || cx.statics.contains_key(name)
         || (is_outside && !is_only());
@@ -109,7 +109,7 @@ pub(crate) fn expand_element_equation<'a>(
         ty = (*element).clone();
     }
     if ty.is_unknown() {
-        return cx.broken.push(flow);
+        return cx.reported.erroneous_flows.push(flow);
     }
     if sizes.len() != names.len() {
         let text = format!(
@@ -128,7 +128,7 @@ pub(crate) fn expand_element_equation<'a>(
         let text = format!("more than {MAX_ELEMENTS} elements");
         return report_invalid_element_equation(cx, &equation.targets, span, &text);
     }
-    cx.elements.push(equation);
+    cx.definitions.element_equations.push(equation);
     for at in 0..count {
         cx.pending.push(Pending {
             block: cx.block,
@@ -153,7 +153,7 @@ fn report_invalid_element_equation(
         .iter()
         .filter_map(|target| cx.local_flow(&target.name.name));
     let flows: Vec<_> = flows.collect();
-    cx.broken.extend(flows);
+    cx.reported.erroneous_flows.extend(flows);
     let finding = Finding::new(
         Code::RPI2013,
         "this array cannot be defined by its elements",
@@ -169,12 +169,12 @@ pub(crate) fn with_index_bindings<'c, 'a, T>(
     index: usize,
     work: impl FnOnce(&mut Body<'c, 'a>) -> T,
 ) -> T {
-    let before = cx.bound.len();
+    let before = cx.bindings.bound_names.len();
     for (name, value) in cx.pending[index].indices.clone() {
         bindings::bind_name(cx, &name, Means::Index(value));
     }
     let result = work(cx);
-    cx.bound.truncate(before);
+    cx.bindings.bound_names.truncate(before);
     result
 }
 
@@ -203,7 +203,7 @@ pub(crate) fn const_condition(
     condition: &Expr,
     value: crate::typed::ExprId,
 ) -> Option<bool> {
-    if cx.bound.is_empty() || !bindings::reads_binding(cx, condition) {
+    if cx.bindings.bound_names.is_empty() || !bindings::reads_binding(cx, condition) {
         return None;
     }
     consts::fold_silently(cx, value)?
@@ -213,7 +213,7 @@ pub(crate) fn const_condition(
 
 /// Reports elements that depend on themselves or on later elements.
 pub(crate) fn check_element_order(cx: &mut Body<'_, '_>) {
-    let equations = cx.elements.clone();
+    let equations = cx.definitions.element_equations.clone();
     let mut links = Vec::new();
     for (from, equation) in equations.iter().enumerate() {
         let mut reads = Vec::new();
@@ -277,7 +277,7 @@ fn report_element_cycle<'a>(cx: &mut Body<'_, 'a>, equations: &[&'a Equation], r
         .iter()
         .filter_map(|link| cx.local_flow(&equations[link.from].targets[0].name.name));
     let flows: Vec<_> = flows.collect();
-    cx.broken.extend(flows);
+    cx.reported.erroneous_flows.extend(flows);
 }
 
 /// Dependency of the elements of one array on those of another. Arrays are indices of equations.

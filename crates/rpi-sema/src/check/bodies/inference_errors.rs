@@ -90,12 +90,12 @@ fn is_uninferred(cx: &Body<'_, '_>, index: usize) -> bool {
 /// Returns the reads of flows of unknown type in an equation.
 fn unknown_reads(cx: &mut Body<'_, '_>, index: usize) -> Vec<Link> {
     let mark = type_inference::checkpoint(cx);
-    cx.missing.clear();
-    cx.inferring = true;
+    cx.inference.unknown_reads.clear();
+    cx.inference.is_running = true;
     type_inference::check_value(cx, index);
-    cx.inferring = false;
+    cx.inference.is_running = false;
     type_inference::rollback(cx, mark);
-    let missing = std::mem::take(&mut cx.missing);
+    let missing = std::mem::take(&mut cx.inference.unknown_reads);
     let reads = missing
         .iter()
         .filter(|read| is_uninferred(cx, read.equation))

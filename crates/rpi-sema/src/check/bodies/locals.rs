@@ -86,7 +86,7 @@ pub(crate) fn declare(cx: &mut Body<'_, '_>, name: &Ident, local: Local) {
             // It is not known which of the two an equation defines, so that neither is reported as undefined.
             for local in [first, &local] {
                 if let Local::Flow(flow) = local {
-                    cx.broken.push(*flow);
+                    cx.reported.erroneous_flows.push(*flow);
                 }
             }
             report::report_diagnostic(cx, finding);
@@ -119,10 +119,14 @@ pub(crate) fn report_constant_shadowing(cx: &mut Body<'_, '_>, name: &Ident) {
     if unit::reads_rpi_syntax(cx) {
         return;
     }
-    let Lookup::Found(id) = cx.c.program.lookup_in(Space::Value, cx.module, &name.name) else {
+    let Lookup::Found(id) = cx
+        .checker
+        .program
+        .lookup_in(Space::Value, cx.module, &name.name)
+    else {
         return;
     };
-    let decl = cx.c.program.decl(id);
+    let decl = cx.checker.program.decl(id);
     if matches!(decl.kind, DeclKind::Const(_)) {
         let finding = twice(&name.name, name.span, decl.span);
         report::report_diagnostic(cx, finding);
@@ -168,7 +172,7 @@ pub(crate) fn add_flow(
         default: None,
         span: name.span,
     });
-    cx.defined_by.push(None);
+    cx.inference.defined_by.push(None);
     id
 }
 
@@ -177,7 +181,7 @@ pub(crate) fn add_flow(
 pub(crate) fn reserve_tables(cx: &mut Body<'_, '_>, body: &ast::Body) {
     let flows = max_new_flows(cx, body);
     cx.unit.flows.reserve(flows);
-    cx.defined_by.reserve(flows);
+    cx.inference.defined_by.reserve(flows);
     cx.scopes[cx.block.0 as usize].reserve(flows);
     let statements = &body.statements;
     cx.pending.reserve(statements.len());

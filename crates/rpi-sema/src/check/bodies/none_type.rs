@@ -14,7 +14,7 @@ use rpi_diag::{Code, Finding, Severity};
 pub(crate) fn infer_none_types(cx: &mut Body<'_, '_>) {
     let is_error = |finding: &&Finding| finding.severity() == Severity::Error;
     let here = cx.findings.iter().any(|finding| is_error(&finding));
-    let mut around = cx.c.findings.iter().filter(is_error);
+    let mut around = cx.checker.findings.iter().filter(is_error);
     // An expression with an error has no type either, so nothing is reported after other errors.
     if !has_untyped_none(cx) || here || around.any(|told| told.code != Code::RPI2007) {
         return;
@@ -89,7 +89,7 @@ fn operand_types(cx: &Body<'_, '_>, id: ExprId) -> Vec<(ExprId, Ty)> {
             vec![(*a, cx.ty_of(*b).clone()), (*b, cx.ty_of(*a).clone())]
         }
         Kind::Call(call) => {
-            let header = &cx.c.entries[call.unit.0 as usize].header;
+            let header = &cx.checker.instances.entries[call.unit.0 as usize].header;
             let args = call.args.iter().zip(&header.inputs);
             let args = args.filter_map(|(arg, port)| Some(((*arg)?, port.ty.clone())));
             let default = call.activation.default().map(|id| (id, expr.ty.clone()));

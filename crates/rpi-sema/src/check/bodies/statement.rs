@@ -88,7 +88,9 @@ pub(crate) fn declare_body<'a>(
             Locals::Const(defs) => defs.iter().for_each(|def| declare_const(cx, def)),
         }
     }
-    cx.clocks_stated.push((cx.block, &body.locals[..]));
+    cx.definitions
+        .declared_clocks
+        .push((cx.block, &body.locals[..]));
     elements::count_parts(cx, &body.statements);
     defaults::declare_defaults(cx, &body.statements);
     for statement in &body.statements {
@@ -136,7 +138,7 @@ pub(crate) fn declare_const<'a>(cx: &mut Body<'_, 'a>, def: &'a ast::ConstDef) {
 /// Sets the clocks of declared flows after type inference, because equations may introduce the flows that the
 /// clocks refer to.
 fn resolve_declared_clocks(cx: &mut Body<'_, '_>) {
-    for (block, sections) in std::mem::take(&mut cx.clocks_stated) {
+    for (block, sections) in std::mem::take(&mut cx.definitions.declared_clocks) {
         for section in sections {
             if let Locals::Var(vars) = section {
                 cx.within(block, |body| resolve_clocks_of(body, vars));
@@ -189,7 +191,7 @@ fn declare_statement<'a>(
                     Some(Local::Flow(flow)) => Some(flow),
                     Some(_) => None,
                 };
-                cx.broken.extend(flow);
+                cx.reported.erroneous_flows.extend(flow);
             }
         }
     }
@@ -232,17 +234,17 @@ fn introduced_flow(cx: &mut Body<'_, '_>, target: &ast::Target, index: usize) ->
     let around = automaton::enclosing_shared_flows(cx, flow);
     let around: Vec<FlowId> = around.filter(|outer| lacks_type(cx, *outer)).collect();
     for flow in std::iter::once(flow).chain(around) {
-        cx.defined_by[flow.0 as usize] = Some(index);
+        cx.inference.defined_by[flow.0 as usize] = Some(index);
     }
     Some(flow)
 }
 
 /// Reports an equation that seems to define a constant of the same file.
 pub(crate) fn report_constant_redefinition(cx: &mut Body<'_, '_>, name: &Ident) {
-    let Some(id) = cx.c.program.own(cx.module, &name.name) else {
+    let Some(id) = cx.checker.program.own(cx.module, &name.name) else {
         return;
     };
-    let decl = cx.c.program.decl(id);
+    let decl = cx.checker.program.decl(id);
     if !matches!(decl.kind, DeclKind::Const(_)) || locals::find_local(cx, &name.name).is_some() {
         return;
     }
@@ -259,7 +261,7 @@ pub(crate) fn report_constant_redefinition(cx: &mut Body<'_, '_>, name: &Ident) 
 /// Whether a flow gets its type from an equation that has not been declared yet.
 fn lacks_type(cx: &Body<'_, '_>, flow: FlowId) -> bool {
     let inferred = cx.unit.flow(flow).optional == Optional::Inferred;
-    inferred && cx.defined_by[flow.0 as usize].is_none()
+    inferred && cx.inference.defined_by[flow.0 as usize].is_none()
 }
 
 /// Whether the name of a target is declared in this block, or around it as a name that no equation defines. A

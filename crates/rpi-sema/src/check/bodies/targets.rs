@@ -88,11 +88,11 @@ fn count_mismatch(
     .also(span, format!("{} on the left", counted(targets, "flow")));
     // It is not known which target lacks its value, so no further errors are reported for any of them.
     let introduced = cx.pending[index].introduces.iter().flatten();
-    cx.broken.extend(introduced.copied());
+    cx.reported.erroneous_flows.extend(introduced.copied());
     if let Goal::Targets(targets) = cx.pending[index].goal {
         let declared = targets.iter().filter_map(|t| cx.local_flow(&t.name.name));
         let declared: Vec<FlowId> = declared.collect();
-        cx.broken.extend(declared);
+        cx.reported.erroneous_flows.extend(declared);
     }
     report::report_diagnostic(cx, finding);
 }
@@ -165,19 +165,19 @@ fn target_place<'a>(cx: &mut Body<'_, 'a>, target: &'a ast::Target) -> (Place, T
 
 /// Handles a target whose name is not declared in this body.
 fn undefined_target(cx: &mut Body<'_, '_>, name: &Ident, in_part: bool) -> (Place, Ty) {
-    if let Lookup::Found(id) = cx.c.program.lookup(cx.module, &name.name) {
-        return not_definable(cx, name, cx.c.program.decl(id).kind.what());
+    if let Lookup::Found(id) = cx.checker.program.lookup(cx.module, &name.name) {
+        return not_definable(cx, name, cx.checker.program.decl(id).kind.what());
     }
     let help = match in_part && cx.unit.kind == UnitKind::Command {
         true => "declare the device as a parameter of the command: `command C (arm: Arm)`",
         false => "declare flows after `returns` or `var`",
     };
-    let told = cx.unknown.place(&name.name);
+    let told = cx.reported.undefined_names.place(&name.name);
     if cx.is_new_unknown(&name.name) {
-        let near = cx.c.suggest(&name.name, locals::local_names(cx));
+        let near = cx.checker.suggest(&name.name, locals::local_names(cx));
         // That the intended flow has no equation is the same error.
         let meant = near.as_ref().and_then(|near| cx.local_flow(near));
-        cx.broken.extend(meant);
+        cx.reported.erroneous_flows.extend(meant);
         let finding = unknown("flow", &name.name, name.span, near);
         report::report_diagnostic(cx, finding.help(help));
     } else if let Some(told) = told {
@@ -218,7 +218,7 @@ fn target_place_in_flow<'a>(
         FlowRole::Output | FlowRole::Local => None,
     };
     let ty = shared_type(cx, flow).clone();
-    if what.is_some() && cx.broken.contains(&flow) {
+    if what.is_some() && cx.reported.erroneous_flows.contains(&flow) {
         return (Place::Nowhere, Ty::Unknown);
     }
     if let Some(what) = what {
@@ -243,8 +243,8 @@ fn is_part_of_outer_flow(cx: &mut Body<'_, '_>, flow: FlowId, target: &ast::Targ
     if cx.unit.flow(flow).block == cx.block {
         return false;
     }
-    if !cx.broken.contains(&flow) {
-        cx.broken.push(flow);
+    if !cx.reported.erroneous_flows.contains(&flow) {
+        cx.reported.erroneous_flows.push(flow);
         let name = &target.name.name;
         let block = cx.unit.block(cx.block).name.clone();
         let declared = cx.unit.flow(flow).span;

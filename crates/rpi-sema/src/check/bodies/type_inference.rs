@@ -43,9 +43,10 @@ pub(crate) struct Missing {
 }
 
 /// Policy for guessing the type of an operation on a number and an operand of unknown type.
-#[derive(Clone, Copy, PartialEq, Debug)]
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub(crate) enum Guess {
     /// No guess: an integer may be meant as a real, and a factor changes the unit.
+    #[default]
     Nothing,
     /// Guess from integers.
     Integers,
@@ -93,24 +94,24 @@ pub(crate) struct Mark {
 
 /// Infers the types of all flows without a declared type.
 pub(crate) fn infer_types(cx: &mut Body<'_, '_>) {
-    cx.inferring = true;
+    cx.inference.is_running = true;
     for index in 0..cx.pending.len() {
         if cx.pending[index].infers() && cx.pending[index].state == State::Open {
             resolve_equation(cx, index);
         }
     }
     while recheck_guessed(cx) {}
-    cx.inferring = false;
+    cx.inference.is_running = false;
     guess_from_numbers(cx, Guess::Integers);
 }
 
 /// Guesses the types that only operations on numbers determine, from the types of these numbers.
 pub(crate) fn guess_from_numbers(cx: &mut Body<'_, '_>, numbers: Guess) {
-    cx.inferring = true;
-    cx.guesses = numbers;
+    cx.inference.is_running = true;
+    cx.inference.guess_policy = numbers;
     while recheck_guessed(cx) {}
-    cx.guesses = Guess::Nothing;
-    cx.inferring = false;
+    cx.inference.guess_policy = Guess::Nothing;
+    cx.inference.is_running = false;
 }
 
 /// Returns the value of an equation; checks it now if it is not checked yet.
@@ -136,12 +137,12 @@ pub(crate) fn check_value(cx: &mut Body<'_, '_>, index: usize) -> ExprId {
 /// Records the read of an undeclared flow if its type is not known yet.
 pub(crate) fn record_unknown_read(cx: &mut Body<'_, '_>, flow: FlowId, span: Span) {
     let known = !cx.unit.flow(flow).ty.has_unknown();
-    let Some(equation) = cx.defined_by[flow.0 as usize].filter(|_| !known) else {
+    let Some(equation) = cx.inference.defined_by[flow.0 as usize].filter(|_| !known) else {
         return;
     };
     if !matches!(cx.pending[equation].state, State::Done(_)) {
-        let now = cx.past == 0;
-        cx.missing.push(Missing {
+        let now = cx.bindings.pre_depth == 0;
+        cx.inference.unknown_reads.push(Missing {
             equation,
             span,
             now,
@@ -157,7 +158,11 @@ fn resolve_equation(cx: &mut Body<'_, '_>, index: usize) {
             continue;
         }
         let open = |k: &usize| cx.pending[*k].state == State::Open;
-        let needs = cx.missing.iter().map(|missing| missing.equation);
+        let needs = cx
+            .inference
+            .unknown_reads
+            .iter()
+            .map(|missing| missing.equation);
         let needs: Vec<usize> = needs.filter(open).collect();
         if needs.is_empty() {
             cx.pending[top].state = State::Guessed;
@@ -173,13 +178,13 @@ fn resolve_equation(cx: &mut Body<'_, '_>, index: usize) {
 /// Returns whether the check is complete.
 fn try_check(cx: &mut Body<'_, '_>, index: usize) -> bool {
     let mark = checkpoint(cx);
-    cx.missing.clear();
+    cx.inference.unknown_reads.clear();
     let value = check_value(cx, index);
     let ty = cx.ty_of(value).clone();
-    if cx.missing.is_empty() && ty.has_unknown() {
+    if cx.inference.unknown_reads.is_empty() && ty.has_unknown() {
         wait_for_other_states(cx, index);
     }
-    let complete = cx.missing.is_empty();
+    let complete = cx.inference.unknown_reads.is_empty();
     if complete {
         cx.pending[index].state = State::Done(value);
     } else {
@@ -223,7 +228,7 @@ fn wait_for_other_states(cx: &mut Body<'_, '_>, index: usize) {
     for flow in cx.pending[index].introduces.clone().into_iter().flatten() {
         if let Some(equation) = unchecked_in_other_state(cx, flow, index) {
             let span = cx.pending[index].span;
-            cx.missing.push(Missing {
+            cx.inference.unknown_reads.push(Missing {
                 equation,
                 span,
                 now: false,
@@ -235,10 +240,10 @@ fn wait_for_other_states(cx: &mut Body<'_, '_>, index: usize) {
 /// Returns an unchecked equation that defines the flow of this equation in another state.
 fn unchecked_in_other_state(cx: &Body<'_, '_>, flow: FlowId, index: usize) -> Option<usize> {
     let outer = automaton::enclosing_shared_flows(cx, flow);
-    let versions = outer.filter_map(|outer| cx.versions.get(&outer));
+    let versions = outer.filter_map(|outer| cx.shared.contributions.get(&outer));
     let mut equations = versions
         .flatten()
-        .filter_map(|other| cx.defined_by[other.0 as usize]);
+        .filter_map(|other| cx.inference.defined_by[other.0 as usize]);
     equations.find(|other| *other != index && cx.pending[*other].state == State::Open)
 }
 
@@ -264,7 +269,7 @@ pub(crate) fn checkpoint(cx: &Body<'_, '_>) -> Mark {
     Mark {
         exprs: cx.unit.exprs.len(),
         findings: cx.findings.len(),
-        state_at: cx.state_at,
+        state_at: cx.first_state_span,
     }
 }
 
@@ -276,8 +281,8 @@ pub(crate) fn rollback(cx: &mut Body<'_, '_>, mark: Mark) {
     let kept = cx.unit.chosen.partition_point(is_kept);
     cx.unit.chosen.truncate(kept);
     cx.findings.truncate(mark.findings);
-    cx.unknown.forget_from(mark.findings);
-    cx.no_clocks.forget_from(mark.findings);
-    cx.made_real = cx.made_real.filter(|at| *at < mark.findings);
-    cx.state_at = mark.state_at;
+    cx.reported.undefined_names.forget_from(mark.findings);
+    cx.reported.invalid_clocks.forget_from(mark.findings);
+    cx.inference.real_fix_index = cx.inference.real_fix_index.filter(|at| *at < mark.findings);
+    cx.first_state_span = mark.state_at;
 }

@@ -114,7 +114,7 @@ pub(crate) fn report_arg_named_by_eq<'a>(
     let Some(name) = plain_name(&binary.lhs).filter(|_| is_sign) else {
         return false;
     };
-    if locals::find_local(cx, name).is_some() || !static_params::has_param(cx.c, id, name) {
+    if locals::find_local(cx, name).is_some() || !static_params::has_param(cx.checker, id, name) {
         return false;
     }
     let between = Span {
@@ -225,11 +225,11 @@ pub(crate) fn report_unknown_args<'a>(
     id: DeclId,
     given: &[Given<'a>],
 ) -> bool {
-    let ports = static_params::in_port_names(cx.c, id);
-    let params = static_params::static_params_of(cx.c, id);
+    let ports = static_params::in_port_names(cx.checker, id);
+    let params = static_params::static_params_of(cx.checker, id);
     let names = ports.chain(params.iter().map(|param| &param.name().name));
     let names: Vec<&Name> = names.collect();
-    let decl = cx.c.program.decl(id);
+    let decl = cx.checker.program.decl(id);
     let named = given.iter().filter_map(|arg| arg.name);
     let strangers = named.filter(|name| !names.contains(&&name.name));
     let strangers: Vec<Finding> = strangers
@@ -284,8 +284,8 @@ fn check_missing_args(
         arg.is_none() && !port.has_default && port.role != FlowRole::Given
     });
     let open: Vec<(usize, &Port)> = open.map(|(port, _)| port).collect();
-    let may_lack = open.iter().all(|(_, port)| port.is_static) && !cx.inferring;
-    if open.is_empty() || may_lack && unit::reads_no_ports(cx.c, header, &open, span) {
+    let may_lack = open.iter().all(|(_, port)| port.is_static) && !cx.inference.is_running;
+    if open.is_empty() || may_lack && unit::reads_no_ports(cx.checker, header, &open, span) {
         return true;
     }
     let open: Vec<Name> = open.iter().map(|(_, port)| port.name.clone()).collect();
@@ -362,7 +362,7 @@ pub(crate) fn is_load_time_constant(cx: &Body<'_, '_>, id: ExprId) -> bool {
                 desc.role == rpi_image::Role::Compute
                     && matches!(desc.state, rpi_image::State::None)
             }
-            Kind::Call(call) => cx.c.units[call.unit.0 as usize].kind == UnitKind::Function,
+            Kind::Call(call) => cx.checker.units[call.unit.0 as usize].kind == UnitKind::Function,
             _ => true,
         };
         if !fixed {

@@ -121,7 +121,7 @@ fn call_decl<'a>(
     span: Span,
 ) -> ExprId {
     proof_only::check_call_in_quantifier(cx, call, id, span);
-    if let DeclKind::Node(node) = cx.c.program.decl(id).kind
+    if let DeclKind::Node(node) = cx.checker.program.decl(id).kind
         && let NodeDef::Alias(callee) = &node.definition
     {
         let given = args::check_args(cx, &call.args);
@@ -194,14 +194,14 @@ fn call_with_fixed_ports<'a>(
     activation: Activation,
     span: Span,
 ) -> ExprId {
-    let params = static_params::static_params_of(cx.c, id);
+    let params = static_params::static_params_of(cx.checker, id);
     for (name, fixed) in &**fixed {
         let value = match fixed {
             Fixed::Constant(constant) => names::constant_expr(cx, constant, span),
             Fixed::Loaded(value) => *value,
         };
         let param = params.iter().map(Param::name).find(|p| p.name == *name);
-        let port = || static_params::in_port_idents(cx.c, id).find(|port| port.name == *name);
+        let port = || static_params::in_port_idents(cx.checker, id).find(|port| port.name == *name);
         given.push(Given {
             name: param.or_else(port),
             value,
@@ -243,8 +243,8 @@ pub(crate) fn match_call<'a>(
     if !size_inference::infer_size_params(cx, id, &given, &mut statics) {
         return Err(Ty::Unknown);
     }
-    let open = static_params::add_default_statics(cx.c, id, &mut statics);
-    if unit::lacks_sizes(cx.c, id, &open, &statics, span) {
+    let open = static_params::add_default_statics(cx.checker, id, &mut statics);
+    if unit::lacks_sizes(cx.checker, id, &open, &statics, span) {
         // Not reported beside a misspelt argument: that may be the one the size depends on.
         if !args::report_unknown_args(cx, id, &given) {
             instance::report_missing(cx, id, &open, span);
@@ -254,7 +254,7 @@ pub(crate) fn match_call<'a>(
     if !constraint::check_constraints(cx, id, &statics, span) {
         return Err(Ty::Unknown);
     }
-    let header = header::check_header(cx.c, id, Rc::new(statics.clone()));
+    let header = header::check_header(cx.checker, id, Rc::new(statics.clone()));
     let header = header.ok_or(Ty::Unknown)?;
     let free = header.free_frames.iter();
     let mut subst = Subst {
@@ -297,7 +297,7 @@ fn add_call(cx: &mut Body<'_, '_>, fitted: Fitted, activation: Activation, span:
         cx.has_state(span);
     }
     report_extern_call(cx, header, span);
-    let Some(unit) = unit::instantiate(cx.c, header, span) else {
+    let Some(unit) = unit::instantiate(cx.checker, header, span) else {
         return cx.fault(span);
     };
     let args = name_clock_args(cx, header, args);
@@ -329,7 +329,7 @@ fn name_clock_args(
     header: &Header,
     mut args: Vec<Option<ExprId>>,
 ) -> Vec<Option<ExprId>> {
-    if cx.inferring {
+    if cx.inference.is_running {
         return args;
     }
     let deciding = header.inputs.iter().zip(&mut args);
@@ -366,7 +366,7 @@ fn bind_to_flow(
 
 /// Reports a call of a node without a body.
 fn report_extern_call(cx: &mut Body<'_, '_>, header: &Header, span: Span) {
-    if let DeclKind::Node(node) = cx.c.program.decl(header.decl).kind
+    if let DeclKind::Node(node) = cx.checker.program.decl(header.decl).kind
         && matches!(node.definition, NodeDef::Extern)
     {
         let finding = Finding::new(Code::RPI1012, format!("`{}` has no body", header.name))

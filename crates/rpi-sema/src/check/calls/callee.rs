@@ -62,41 +62,41 @@ pub(crate) fn resolve_alias<'a>(
     if bound.faulty {
         return None;
     }
-    if alias::is_cyclic_alias(cx.c, id) || !nesting::may_alias(cx.c, callee.span) {
+    if alias::is_cyclic_alias(cx.checker, id) || !nesting::may_alias(cx.checker, callee.span) {
         return None;
     }
     check_alias_ports(cx, id, &bound.statics);
-    cx.c.aliases.push(id);
-    let mut body = Body::around(cx.c, id);
+    cx.checker.aliases.push(id);
+    let mut body = Body::around(cx.checker, id);
     body.statics = Rc::new(bound.statics);
     let callable = resolve_callable(&mut body, &callee.name.name, &callee.statics, callee.span);
     let callable = callable.and_then(|callable| require_portable(&mut body, callable));
     body.leave();
-    cx.c.aliases.pop();
+    cx.checker.aliases.pop();
     callable
 }
 
 /// Checks the unit of an alias with static parameters and declared ports, so that ports that differ from those of
 /// its target are reported.
 fn check_alias_ports(cx: &mut Body<'_, '_>, id: DeclId, statics: &Statics) {
-    let DeclKind::Node(node) = cx.c.program.decl(id).kind else {
+    let DeclKind::Node(node) = cx.checker.program.decl(id).kind else {
         return;
     };
-    let params = static_params::static_params_of(cx.c, id);
+    let params = static_params::static_params_of(cx.checker, id);
     let is_given = |param: &crate::check::signatures::static_params::Param<'_>| {
         statics.contains_key(&param.name().name)
     };
     if node.signature.outputs.is_none() || params.is_empty() || !params.iter().all(is_given) {
         return;
     }
-    if let Some(header) = header::check_header(cx.c, id, Rc::new(statics.clone())) {
-        unit::instantiate(cx.c, &header, header.span);
+    if let Some(header) = header::check_header(cx.checker, id, Rc::new(statics.clone())) {
+        unit::instantiate(cx.checker, &header, header.span);
     }
 }
 
 /// Resolves the name of a callee.
 pub(crate) fn resolve_callee<'a>(cx: &mut Body<'_, 'a>, name: &Name, span: Span) -> Callee<'a> {
-    let importing = std::mem::take(&mut cx.importing);
+    let importing = std::mem::take(&mut cx.contract.resolving_contract);
     if let Some(Static::Callee(callable, misfit)) = cx.statics.get(name).cloned() {
         if let Some(misfit) = misfit {
             report::report_diagnostic(cx, (*misfit).clone());
@@ -104,13 +104,13 @@ pub(crate) fn resolve_callee<'a>(cx: &mut Body<'_, 'a>, name: &Name, span: Span)
         }
         return Callee::Known(callable);
     }
-    if let Lookup::Found(id) = cx.c.program.lookup_in(Space::Value, cx.module, name)
-        && let DeclKind::Constructor { ty, index } = cx.c.program.decl(id).kind
+    if let Lookup::Found(id) = cx.checker.program.lookup_in(Space::Value, cx.module, name)
+        && let DeclKind::Constructor { ty, index } = cx.checker.program.decl(id).kind
     {
         return Callee::Constructor(ty, index);
     }
-    if let Lookup::Found(id) = cx.c.program.lookup_in(Space::Value, cx.module, name)
-        && let DeclKind::EnumValue { ty, index } = cx.c.program.decl(id).kind
+    if let Lookup::Found(id) = cx.checker.program.lookup_in(Space::Value, cx.module, name)
+        && let DeclKind::EnumValue { ty, index } = cx.checker.program.decl(id).kind
         && data::is_datatype(cx, ty)
     {
         return Callee::Constructor(ty, index);
@@ -119,7 +119,7 @@ pub(crate) fn resolve_callee<'a>(cx: &mut Body<'_, 'a>, name: &Name, span: Span)
         true => Space::Contract,
         false => Space::Callable,
     };
-    match cx.c.program.lookup_in(space, cx.module, name) {
+    match cx.checker.program.lookup_in(space, cx.module, name) {
         Lookup::Found(id) => resolve_callee_decl(cx, id, name, span),
         Lookup::Missing => resolve_builtin_callee(cx, name, span),
     }
@@ -132,7 +132,7 @@ fn resolve_callee_decl<'a>(
     name: &Name,
     span: Span,
 ) -> Callee<'a> {
-    let decl = cx.c.program.decl(id).clone();
+    let decl = cx.checker.program.decl(id).clone();
     if is_callable(decl.kind) {
         return Callee::Decl(id);
     }
@@ -186,17 +186,18 @@ fn report_undefined_callee(cx: &mut Body<'_, '_>, name: &Name, span: Span) {
         ));
         return report::report_diagnostic(cx, finding);
     }
-    let callable = |id: DeclId| is_callable(cx.c.program.decl(id).kind);
-    let near =
-        cx.c.suggest(name, cx.c.program.visible(cx.module, callable));
+    let callable = |id: DeclId| is_callable(cx.checker.program.decl(id).kind);
+    let near = cx
+        .checker
+        .suggest(name, cx.checker.program.visible(cx.module, callable));
     // `time` is not suggested: it is also the name of a predeclared flow, which is more likely to be meant.
     let specials = SPECIALS.iter().map(|special| special.name());
     let specials = specials.filter(|special| *special != "time");
     let near = near.or_else(|| rpi_diag::suggest(name, specials));
     let near = near.or_else(|| match name.is_qualified() {
-        true => {
-            cx.c.suggest(name, registry().iter().map(|prim| prim.desc.name))
-        }
+        true => cx
+            .checker
+            .suggest(name, registry().iter().map(|prim| prim.desc.name)),
         false => None,
     });
     let what = if name.is_qualified() {
@@ -206,7 +207,7 @@ fn report_undefined_callee(cx: &mut Body<'_, '_>, name: &Name, span: Span) {
     };
     let last = name.rsplit("::").next().unwrap_or_default();
     let is_there = |other: &str| {
-        let mut visible = cx.c.program.visible(cx.module, callable);
+        let mut visible = cx.checker.program.visible(cx.module, callable);
         visible.any(|known| known == other) || SPECIALS.iter().any(|s| s.name() == other)
     };
     let here = match name.is_qualified() && is_there(last) {
@@ -247,7 +248,7 @@ pub(crate) fn resolve_callable<'a>(
             Some(Callable::Iteration(Rc::new(iteration)))
         }
         Callee::Decl(id) => {
-            if let DeclKind::Node(node) = cx.c.program.decl(id).kind
+            if let DeclKind::Node(node) = cx.checker.program.decl(id).kind
                 && let NodeDef::Alias(callee) = &node.definition
             {
                 return resolve_alias(cx, id, callee, statics);

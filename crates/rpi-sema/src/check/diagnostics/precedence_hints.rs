@@ -37,7 +37,7 @@ pub(crate) fn is_unit_index(cx: &Body<'_, '_>, base: ExprId, index: &Expr) -> bo
 fn is_unit_expr(cx: &Body<'_, '_>, expr: &Expr) -> bool {
     let is_free = |name: &Name| {
         let space = crate::program::Space::Value;
-        let found = cx.c.program.lookup_in(space, cx.module, name);
+        let found = cx.checker.program.lookup_in(space, cx.module, name);
         locals::find_local(cx, name).is_none() && !matches!(found, Lookup::Found(_))
     };
     match &expr.kind {

@@ -65,7 +65,7 @@ pub(crate) fn measured_value(cx: &Body<'_, '_>, id: ExprId) -> Measured {
 
 /// Whether an expression is a number literal, not a named number.
 pub(crate) fn is_number_literal(cx: &Body<'_, '_>, id: ExprId) -> bool {
-    cx.numbers.contains(&cx.span_of(id))
+    cx.inference.number_literals.contains(&cx.span_of(id))
 }
 
 /// Whether an expression is the element that an iterator takes from an array. Only the array has source text.

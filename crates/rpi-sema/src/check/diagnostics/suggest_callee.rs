@@ -52,14 +52,18 @@ pub(crate) fn suggest_struct_literal<'a>(
     span: Span,
 ) -> ExprId {
     let name = &call.callee.name;
-    let Lookup::Found(id) = cx.c.program.lookup_in(Space::Type, cx.module, &name.name) else {
+    let Lookup::Found(id) = cx
+        .checker
+        .program
+        .lookup_in(Space::Type, cx.module, &name.name)
+    else {
         return cx.fault(span);
     };
     let told = diagnostic_at(cx, name.span, Code::RPI1003);
     let Some(told) = told.map(|told| told.clone()) else {
         return cx.fault(span);
     };
-    let Ty::Struct(ty) = type_decls::type_decl(cx.c, id) else {
+    let Ty::Struct(ty) = type_decls::type_decl(cx.checker, id) else {
         return cx.fault(span);
     };
     let form = names_of(&ty.fields).map(|field| format!("{field} = ..."));
@@ -120,8 +124,12 @@ pub(crate) fn iterator_without_statics<'a>(
 
 /// Whether a name is a callable declaration and not a local flow.
 fn is_callable_name(cx: &Body<'_, '_>, name: &Name) -> bool {
-    let found = cx.c.program.lookup_in(Space::Callable, cx.module, name);
-    let is_callee = |id| crate::check::signatures::unit::is_callable(cx.c.program.decl(id).kind);
+    let found = cx
+        .checker
+        .program
+        .lookup_in(Space::Callable, cx.module, name);
+    let is_callee =
+        |id| crate::check::signatures::unit::is_callable(cx.checker.program.decl(id).kind);
     locals::find_local(cx, name).is_none() && matches!(found, Lookup::Found(id) if is_callee(id))
 }
 

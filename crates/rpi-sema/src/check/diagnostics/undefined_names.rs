@@ -27,9 +27,9 @@ pub(crate) fn report_undefined(
     span: Span,
     near: Option<String>,
 ) {
-    let lacks_use = cx.c.program.module(cx.module).lacks_use;
-    let declaring = (cx.c.program.library.declaring)(name);
-    let declaring = declaring.filter(|module| !cx.c.program.is_hidden(module, name));
+    let lacks_use = cx.checker.program.module(cx.module).lacks_use;
+    let declaring = (cx.checker.program.library.declaring)(name);
+    let declaring = declaring.filter(|module| !cx.checker.program.is_hidden(module, name));
     let finding = match declaring {
         _ if lacks_use && near.is_none() => None,
         Some(module) => Some(name_of_unused_module(what, name, module, span)),

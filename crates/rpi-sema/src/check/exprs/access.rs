@@ -81,15 +81,15 @@ pub(crate) fn field_access<'a>(cx: &mut Body<'_, 'a>, field: &'a Field, span: Sp
 
 /// Reports `Mode.Moving`: an enum value is written without its type. Returns `None` if `name` is not an enum.
 fn enum_value_by_field(cx: &mut Body<'_, '_>, name: &Name, field: &Field) -> Option<ExprId> {
-    let Lookup::Found(id) = cx.c.program.lookup(cx.module, name) else {
+    let Lookup::Found(id) = cx.checker.program.lookup(cx.module, name) else {
         return None;
     };
     if locals::find_local(cx, name).is_some()
-        || !matches!(cx.c.program.decl(id).kind, DeclKind::Type(_))
+        || !matches!(cx.checker.program.decl(id).kind, DeclKind::Type(_))
     {
         return None;
     }
-    let Ty::Enum(ty) = type_decls::type_decl(cx.c, id) else {
+    let Ty::Enum(ty) = type_decls::type_decl(cx.checker, id) else {
         return None;
     };
     let value = &field.field;
@@ -112,13 +112,13 @@ fn enum_value_by_field(cx: &mut Body<'_, '_>, name: &Name, field: &Field) -> Opt
 /// with an enum.
 pub(crate) fn enum_value_by_path(cx: &mut Body<'_, '_>, name: &Name, span: Span) -> Option<ExprId> {
     let (of, value) = name.rsplit_once("::")?;
-    let Lookup::Found(id) = cx.c.program.lookup(cx.module, &of.into()) else {
+    let Lookup::Found(id) = cx.checker.program.lookup(cx.module, &of.into()) else {
         return None;
     };
-    if !matches!(cx.c.program.decl(id).kind, DeclKind::Type(_)) {
+    if !matches!(cx.checker.program.decl(id).kind, DeclKind::Type(_)) {
         return None;
     }
-    let Ty::Enum(ty) = type_decls::type_decl(cx.c, id) else {
+    let Ty::Enum(ty) = type_decls::type_decl(cx.checker, id) else {
         return None;
     };
     if !ty.values.iter().any(|known| known == value) {
@@ -163,7 +163,7 @@ pub(crate) fn block_member(
         Some(Local::Constant(constant)) => names::constant_expr(cx, &constant, span),
         Some(Local::States(places, _)) => names::ambiguous_state(cx, &field.name, places, span),
         _ => {
-            let near = cx.c.suggest(&field.name, locals::names_in(cx, block));
+            let near = cx.checker.suggest(&field.name, locals::names_in(cx, block));
             let what = match automaton::is_state(cx, block) {
                 true => "state",
                 false => "fragment",

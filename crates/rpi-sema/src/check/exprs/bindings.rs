@@ -46,24 +46,28 @@ pub(crate) fn with_binding<'c, 'a, T>(
 ) -> T {
     bind_name(cx, name, means);
     let result = work(cx);
-    cx.bound.pop();
+    cx.bindings.bound_names.pop();
     result
 }
 
 /// Binds a name. The caller removes it from `bound` again.
 pub(crate) fn bind_name(cx: &mut Body<'_, '_>, name: &Ident, means: Means) {
-    cx.bound.push(Bound {
+    cx.bindings.bound_names.push(Bound {
         name: name.name.clone(),
         means,
-        past: cx.past,
+        past: cx.bindings.pre_depth,
         span: name.span,
     });
 }
 
 /// Reads a bound name; returns `None` if it is not bound.
 pub(crate) fn read_binding(cx: &mut Body<'_, '_>, name: &Name, span: Span) -> Option<ExprId> {
-    let at = cx.bound.iter().rposition(|bound| bound.name == *name)?;
-    let bound = cx.bound[at].clone();
+    let at = cx
+        .bindings
+        .bound_names
+        .iter()
+        .rposition(|bound| bound.name == *name)?;
+    let bound = cx.bindings.bound_names[at].clone();
     Some(match &bound.means {
         Means::Index(value) => cx.add(
             Kind::Literal(crate::typed::Leaf::int(*value)),
@@ -72,10 +76,12 @@ pub(crate) fn read_binding(cx: &mut Body<'_, '_>, name: &Name, span: Span) -> Op
         ),
         Means::Expr(value) => copy_of(cx, *value, span),
         Means::Value(ty) => cx.add(Kind::Outside, ty.clone(), span),
-        Means::Any(_) if cx.fixed_before.is_some_and(|before| at < before) => {
+        Means::Any(_) if cx.bindings.forbidden.is_some_and(|before| at < before) => {
             report_not_constant(cx, &bound, span)
         }
-        Means::Any(_) if cx.past > bound.past => report_pre_of_quantified(cx, &bound, span),
+        Means::Any(_) if cx.bindings.pre_depth > bound.past => {
+            report_pre_of_quantified(cx, &bound, span)
+        }
         Means::Any(ty) => cx.add(Kind::Outside, ty.clone(), span),
     })
 }
@@ -112,7 +118,8 @@ pub(crate) fn reads_binding(cx: &Body<'_, '_>, expr: &Expr) -> bool {
     while let Some(expr) = open.pop() {
         if let ExprKind::Name(name) = &expr.kind
             && cx
-                .bound
+                .bindings
+                .bound_names
                 .iter()
                 .any(|bound| bound.name == *name && bound.varies())
         {

@@ -44,7 +44,7 @@ pub(crate) fn resolve_clock(cx: &mut Body<'_, '_>, clock: &Clock) -> Option<Cloc
     };
     let ty = cx.unit.flow(flow).ty.clone();
     if !matches!(ty, Ty::Bool | Ty::Unknown) {
-        if !cx.no_clocks.tell(&flow, cx.findings.len()) {
+        if !cx.reported.invalid_clocks.tell(&flow, cx.findings.len()) {
             return None;
         }
         let finding = Finding::new(Code::RPI2001, format!("expected `bool`, found `{ty}`"))
@@ -66,7 +66,7 @@ pub(crate) fn resolve_clock(cx: &mut Body<'_, '_>, clock: &Clock) -> Option<Cloc
 fn resolve_clock_flow(cx: &mut Body<'_, '_>, name: &Ident) -> Option<FlowId> {
     match locals::find_local(cx, &name.name) {
         Some(Local::Flow(flow)) => {
-            if cx.inferring {
+            if cx.inference.is_running {
                 type_inference::record_unknown_read(cx, flow, name.span);
             }
             Some(flow)
@@ -78,7 +78,7 @@ fn resolve_clock_flow(cx: &mut Body<'_, '_>, name: &Ident) -> Option<FlowId> {
         }
         None => {
             if cx.is_new_unknown(&name.name) {
-                let near = cx.c.suggest(&name.name, locals::local_names(cx));
+                let near = cx.checker.suggest(&name.name, locals::local_names(cx));
                 report::report_diagnostic(cx, unknown("flow", &name.name, name.span, near));
             }
             None
@@ -164,7 +164,7 @@ fn merge_condition_type(cx: &mut Body<'_, '_>, on: ExprId) -> Ty {
         return ty;
     }
     if let Kind::Flow(flow) = cx.unit.expr(on).kind {
-        cx.no_clocks.tell(&flow, cx.findings.len());
+        cx.reported.invalid_clocks.tell(&flow, cx.findings.len());
     }
     let message = format!("expected a Boolean or an enum in `merge`, found `{ty}`");
     let finding =
@@ -238,9 +238,9 @@ pub(crate) fn last_expr<'a>(cx: &mut Body<'_, 'a>, operand: &'a ast::Expr, span:
             .help("write `last` before each flow of the expression");
         return cx.fault_with(finding, span);
     }
-    cx.past += 1;
+    cx.bindings.pre_depth += 1;
     let operand = last_operand(cx, operand);
-    cx.past -= 1;
+    cx.bindings.pre_depth -= 1;
     let ty = cx.ty_of(operand).clone();
     cx.add(Kind::Each(Each::Last, [operand].into()), ty, span)
 }

@@ -169,16 +169,20 @@ fn resolve_struct_type<'a>(
     name: &Ident,
     statics: &'a [StaticArg],
 ) -> Option<Rc<StructTy>> {
-    let Lookup::Found(id) = cx.c.program.lookup_in(Space::Type, cx.module, &name.name) else {
+    let Lookup::Found(id) = cx
+        .checker
+        .program
+        .lookup_in(Space::Type, cx.module, &name.name)
+    else {
         let near = {
-            let is_type = |id| matches!(cx.c.program.decl(id).kind, DeclKind::Type(_));
-            let names = cx.c.program.visible(cx.module, is_type);
-            cx.c.suggest(&name.name, names)
+            let is_type = |id| matches!(cx.checker.program.decl(id).kind, DeclKind::Type(_));
+            let names = cx.checker.program.visible(cx.module, is_type);
+            cx.checker.suggest(&name.name, names)
         };
         undefined_names::report_undefined(cx, "type", &name.name, name.span, near);
         return None;
     };
-    let decl = cx.c.program.decl(id).clone();
+    let decl = cx.checker.program.decl(id).clone();
     if let DeclKind::Type(_) = decl.kind {
         match data::type_instance_for(cx, id, statics, name.span) {
             Ty::Struct(ty) => return Some(ty),

@@ -32,9 +32,9 @@ use rpi_syntax::ast::{self, Among, ExprKind, Number, Quantity};
 
 /// Checks an expression and returns its entry in the table of typed expressions.
 pub(crate) fn check_expr<'a>(cx: &mut Body<'_, 'a>, expr: &'a ast::Expr) -> ExprId {
-    cx.c.nesting += 1;
+    cx.checker.limits.nesting += 1;
     let id = check_expr_kind(cx, expr);
-    cx.c.nesting -= 1;
+    cx.checker.limits.nesting -= 1;
     id
 }
 
@@ -43,7 +43,7 @@ fn check_expr_kind<'a>(cx: &mut Body<'_, 'a>, expr: &'a ast::Expr) -> ExprId {
     match &expr.kind {
         ExprKind::Bool(value) => cx.add(Kind::Literal(Leaf::bool(*value)), Ty::Bool, span),
         ExprKind::Number(number) => {
-            cx.numbers.insert(span);
+            cx.inference.number_literals.insert(span);
             number_literal(cx, number, false, span)
         }
         ExprKind::Quantity(quantity) => quantity_literal(cx, quantity, span),
@@ -140,21 +140,21 @@ fn if_expr<'a>(cx: &mut Body<'_, 'a>, choice: &'a ast::If, span: Span) -> ExprId
     if choice.is_static {
         return static_if_expr(cx, choice, span);
     }
-    let before = cx.statics_read;
+    let before = cx.static_read_count;
     let condition = statement::check_condition(cx, &choice.condition, "the expression after `if`");
-    if cx.statics_read > before {
+    if cx.static_read_count > before {
         cx.unit.chosen.push(condition);
     }
     if let Some(taken) = elements::const_condition(cx, &choice.condition, condition) {
         return check_expr(cx, if taken { &choice.yes } else { &choice.no });
     }
-    let guarded = cx.guarded;
-    cx.guarded |= bindings::reads_binding(cx, &choice.condition);
+    let guarded = cx.bindings.in_guarded_branch;
+    cx.bindings.in_guarded_branch |= bindings::reads_binding(cx, &choice.condition);
     let before = cx.findings.len();
     let yes = check_expr(cx, &choice.yes);
     let between = cx.findings.len();
     let no = check_expr(cx, &choice.no);
-    cx.guarded = guarded;
+    cx.bindings.in_guarded_branch = guarded;
     suppress_untaken_branch(cx, condition, [before, between]);
     let ty = common_type(
         cx,
@@ -188,7 +188,7 @@ fn suppress_untaken_branch(
     let mut at = 0..cx.findings.len();
     cx.findings
         .retain(|finding| at.next().is_none_or(|k| !untaken.contains(&k)) || !is_of_zero(finding));
-    cx.made_real = cx.made_real.filter(|at| *at < before);
+    cx.inference.real_fix_index = cx.inference.real_fix_index.filter(|at| *at < before);
 }
 
 /// Checks `with c then x else y`: only the branch that is taken is checked.

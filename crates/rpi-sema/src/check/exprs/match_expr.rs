@@ -104,7 +104,7 @@ fn check_match_case<'a>(
     is_known: bool,
     arm: &'a Arm,
 ) -> Case {
-    let before = cx.bound.len();
+    let before = cx.bindings.bound_names.len();
     let mut tests = Vec::new();
     let shape = match is_known {
         true => check_pattern(cx, value, &arm.pattern, &mut tests),
@@ -118,7 +118,7 @@ fn check_match_case<'a>(
         }
     };
     let then = expr::check_expr(cx, &arm.then);
-    cx.bound.truncate(before);
+    cx.bindings.bound_names.truncate(before);
     Case { shape, tests, then }
 }
 
@@ -158,7 +158,10 @@ fn check_pattern<'a>(
 }
 
 fn is_declared_value(cx: &Body<'_, '_>, name: &Ident) -> bool {
-    let found = cx.c.program.lookup_in(Space::Value, cx.module, &name.name);
+    let found = cx
+        .checker
+        .program
+        .lookup_in(Space::Value, cx.module, &name.name);
     matches!(found, Lookup::Found(_))
 }
 
@@ -192,11 +195,11 @@ fn check_part_patterns<'a>(
 
 /// Returns the index of the first field that holds a part of an alternative, and the number of its parts.
 fn parts_of_alternative(cx: &Body<'_, '_>, name: &Name, index: usize) -> (usize, usize) {
-    let found = cx.c.program.lookup_in(Space::Value, cx.module, name);
+    let found = cx.checker.program.lookup_in(Space::Value, cx.module, name);
     let Lookup::Found(id) = found else {
         return (0, 0);
     };
-    match cx.c.program.decl(id).kind {
+    match cx.checker.program.decl(id).kind {
         DeclKind::Constructor { ty, .. } => data::constructor_field_range(cx, ty, index as u32),
         _ => (0, 0),
     }

@@ -77,14 +77,14 @@ pub(crate) fn resolve_name(cx: &mut Body<'_, '_>, name: &Name, span: Span) -> Ex
     }
     match cx.statics.get(name) {
         Some(Static::Value(constant)) => {
-            cx.statics_read += 1;
+            cx.static_read_count += 1;
             let constant = constant.clone();
             return constant_expr(cx, &constant, span);
         }
         Some(_) => return not_a_flow(cx, name, "a static parameter", span, span),
         None => {}
     }
-    match cx.c.program.lookup_in(Space::Value, cx.module, name) {
+    match cx.checker.program.lookup_in(Space::Value, cx.module, name) {
         Lookup::Found(id) => resolve_declared(cx, id, span),
         Lookup::Missing => resolve_predeclared(cx, name, span),
     }
@@ -134,16 +134,16 @@ pub(crate) fn ambiguous_state(
 
 /// Returns the constant or enum value of this name.
 fn value_named(cx: &Body<'_, '_>, name: &Name) -> Option<DeclId> {
-    let Lookup::Found(id) = cx.c.program.lookup_in(Space::Value, cx.module, name) else {
+    let Lookup::Found(id) = cx.checker.program.lookup_in(Space::Value, cx.module, name) else {
         return None;
     };
-    let kind = &cx.c.program.decl(id).kind;
+    let kind = &cx.checker.program.decl(id).kind;
     matches!(kind, DeclKind::Const(_) | DeclKind::EnumValue { .. }).then_some(id)
 }
 
 /// Adds an expression that reads a flow.
 pub(crate) fn flow_expr(cx: &mut Body<'_, '_>, flow: FlowId, span: Span) -> ExprId {
-    if cx.inferring {
+    if cx.inference.is_running {
         type_inference::record_unknown_read(cx, flow, span);
     }
     let ty = cx.unit.flow(flow).ty.clone();
@@ -167,21 +167,21 @@ pub(crate) fn constant_expr(cx: &mut Body<'_, '_>, constant: &Constant, span: Sp
 }
 
 fn resolve_declared(cx: &mut Body<'_, '_>, id: DeclId, span: Span) -> ExprId {
-    let decl = cx.c.program.decl(id).clone();
+    let decl = cx.checker.program.decl(id).clone();
     match decl.kind {
-        DeclKind::Const(_) => match consts::check_constant(cx.c, id) {
+        DeclKind::Const(_) => match consts::check_constant(cx.checker, id) {
             Some(constant) => constant_expr(cx, &constant, span),
             None => cx.fault(span),
         },
         DeclKind::EnumValue { ty, index } => {
-            let ty = type_decls::type_decl(cx.c, ty);
+            let ty = type_decls::type_decl(cx.checker, ty);
             cx.add(Kind::Literal(Leaf::int(index.into())), ty, span)
         }
         DeclKind::Constructor { ty, index } => {
             data::constructor_value(cx, (ty, index), &[], &[], span)
         }
         DeclKind::Broken(_) => cx.fault(span),
-        DeclKind::Frame(frame) => match consts::check_constant(cx.c, id) {
+        DeclKind::Frame(frame) => match consts::check_constant(cx.checker, id) {
             Some(constant) => constant_expr(cx, &constant, span),
             None if frame.pose.is_some() => cx.fault(span),
             None => {
@@ -236,13 +236,14 @@ fn undefined_flow(cx: &mut Body<'_, '_>, name: &Name, span: Span) -> ExprId {
     if !cx.is_new_unknown(name) {
         return cx.fault(span);
     }
-    let near = cx.c.suggest(name, locals::local_names(cx));
+    let near = cx.checker.suggest(name, locals::local_names(cx));
     let is_value = |id: DeclId| {
-        let kind = cx.c.program.decl(id).kind;
+        let kind = cx.checker.program.decl(id).kind;
         matches!(kind, DeclKind::Const(_) | DeclKind::EnumValue { .. })
     };
     let near = near.or_else(|| {
-        cx.c.suggest(name, cx.c.program.visible(cx.module, is_value))
+        cx.checker
+            .suggest(name, cx.checker.program.visible(cx.module, is_value))
     });
     if cx.unit.kind == UnitKind::Task {
         let finding = unknown("device or parameter", name, span, near);
@@ -293,10 +294,10 @@ pub(crate) fn command_result(
     if locals::find_local(cx, name).is_some() {
         return None;
     }
-    let Lookup::Found(id) = cx.c.program.lookup(cx.module, name) else {
+    let Lookup::Found(id) = cx.checker.program.lookup(cx.module, name) else {
         return None;
     };
-    let Decl { kind, .. } = cx.c.program.decl(id);
+    let Decl { kind, .. } = cx.checker.program.decl(id);
     let DeclKind::Command(command) = *kind else {
         return None;
     };

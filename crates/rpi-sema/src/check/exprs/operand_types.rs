@@ -52,7 +52,11 @@ pub(crate) fn extend_real_fix(cx: &mut Body<'_, '_>, left: ExprId, right: ExprId
         (true, false) => (cx.span_of(right), cx.span_of(left)),
         _ => return,
     };
-    let Some(finding) = cx.made_real.and_then(|at| cx.findings.get_mut(at)) else {
+    let Some(finding) = cx
+        .inference
+        .real_fix_index
+        .and_then(|at| cx.findings.get_mut(at))
+    else {
         return;
     };
     let place = finding.span();

@@ -149,7 +149,7 @@ pub(crate) fn unary<'a>(
     span: Span,
 ) -> ExprId {
     if let (UnaryOp::Neg, ExprKind::Number(number)) = (op, &operand.kind) {
-        cx.numbers.insert(span);
+        cx.inference.number_literals.insert(span);
         return expr::number_literal(cx, number, true, span);
     }
     match op {
@@ -226,9 +226,9 @@ pub(crate) fn unary_prim(
 
 fn pre<'a>(cx: &mut Body<'_, 'a>, operand: &'a ast::Expr, span: Span) -> ExprId {
     cx.has_state(span);
-    cx.past += 1;
+    cx.bindings.pre_depth += 1;
     let operand = expr::check_expr(cx, operand);
-    cx.past -= 1;
+    cx.bindings.pre_depth -= 1;
     let ty = cx.ty_of(operand).clone();
     cx.add(Kind::Each(Each::Pre, [operand].into()), ty, span)
 }
@@ -287,10 +287,10 @@ pub(crate) fn binary_prim(
     let (a, b) = (cx.ty_of(left).clone(), cx.ty_of(right).clone());
     if a.is_unknown() || b.is_unknown() {
         operand_types::extend_real_fix(cx, left, right);
-        let guess = guess_by_number(cx.guesses, op, &a, &b);
+        let guess = guess_by_number(cx.inference.guess_policy, op, &a, &b);
         let guess = guess.unwrap_or_else(|| binary_guess(op, &a, &b));
         // After errors on both sides, of arrays for instance, the result type cannot be guessed.
-        let faulty = !cx.inferring && a.is_unknown() && b.is_unknown();
+        let faulty = !cx.inference.is_running && a.is_unknown() && b.is_unknown();
         let guess = if faulty { Ty::Unknown } else { guess };
         return cx.add(Kind::Fault, guess, span);
     }
@@ -345,9 +345,9 @@ pub(crate) fn logical_prim(
 fn fby<'a>(cx: &mut Body<'_, 'a>, binary: &'a Binary, span: Span) -> ExprId {
     cx.has_state(span);
     let left = expr::check_expr(cx, &binary.lhs);
-    cx.past += 1;
+    cx.bindings.pre_depth += 1;
     let right = expr::check_expr(cx, &binary.rhs);
-    cx.past -= 1;
+    cx.bindings.pre_depth -= 1;
     let ty = expr::common_type(cx, left, right, "both sides must have the same type");
     let delayed = cx.add(Kind::Each(Each::Pre, [right].into()), ty.clone(), span);
     cx.add(Kind::Each(Each::Arrow, [left, delayed].into()), ty, span)
@@ -371,6 +371,7 @@ pub(crate) fn unsupported_operands(
     let finding = apart::with_operand_hints(cx, finding, op, (left, &a), (right, &b));
     let is_int_number = |id| report::is_number_literal(cx, id) && *cx.ty_of(id) == Ty::Int;
     let with_number = [left, right].into_iter().any(is_int_number);
-    cx.made_real = (with_number && finding.fixes.len() == 1).then_some(cx.findings.len());
+    cx.inference.real_fix_index =
+        (with_number && finding.fixes.len() == 1).then_some(cx.findings.len());
     cx.fault_with(finding, span)
 }

@@ -25,11 +25,11 @@ pub(crate) fn check_quantifier<'a>(
     of: &'a Quantified,
     span: Span,
 ) -> ExprId {
-    let before = cx.bound.len();
+    let before = cx.bindings.bound_names.len();
     for var in &of.vars {
-        let fixed = cx.fixed_before.replace(cx.bound.len());
+        let fixed = cx.bindings.forbidden.replace(cx.bindings.bound_names.len());
         let ty = types::resolve_type(cx, &var.ty);
-        cx.fixed_before = fixed;
+        cx.bindings.forbidden = fixed;
         check_quantifiable(cx, &ty, &var.ty);
         for name in &var.names {
             bindings::bind_name(cx, name, Means::Any(ty.clone()));
@@ -37,8 +37,8 @@ pub(crate) fn check_quantifier<'a>(
     }
     let condition = expr::check_expr(cx, &of.condition);
     statement::expect_type(cx, condition, &Ty::Bool, &Wanted::Here);
-    cx.bound.truncate(before);
-    match &mut cx.claim {
+    cx.bindings.bound_names.truncate(before);
+    match &mut cx.contract.claim_check {
         Some(claim) => claim.0 = claim.0.or(Some(span)),
         None => not_executable(
             cx,
@@ -71,7 +71,7 @@ pub(crate) fn not_executable(cx: &mut Body<'_, '_>, what: &str, why: &str, span:
 /// Checks `subtype { x: T | c }` and returns `T`; the condition is for provers.
 pub(crate) fn refinement_type<'a>(cx: &mut Body<'_, 'a>, refined: &'a Refined) -> Ty {
     let base = types::resolve_type(cx, &refined.base);
-    let in_quantifier = cx.fixed_before.is_some() || check_in_quantifier(cx);
+    let in_quantifier = cx.bindings.forbidden.is_some() || check_in_quantifier(cx);
     let means = match in_quantifier {
         true => Means::Any(base.clone()),
         false => Means::Value(base.clone()),
@@ -85,7 +85,8 @@ pub(crate) fn refinement_type<'a>(cx: &mut Body<'_, 'a>, refined: &'a Refined) -
 
 /// Whether a quantified variable is in scope.
 pub(crate) fn check_in_quantifier(cx: &Body<'_, '_>) -> bool {
-    cx.bound
+    cx.bindings
+        .bound_names
         .iter()
         .any(crate::check::exprs::bindings::Bound::is_quantified)
 }
@@ -116,10 +117,11 @@ pub(crate) fn ascription<'a>(cx: &mut Body<'_, 'a>, of: &'a Ascribed) -> ExprId 
 fn is_temporal_type(cx: &Body<'_, '_>, ty: &ast::Type) -> bool {
     match &ty.kind {
         TypeKind::Named(named) => {
-            let found =
-                cx.c.program
-                    .lookup_in(Space::Type, cx.module, &named.name.name);
-            matches!(found, Lookup::Found(id) if cx.c.temporal.contains(&id))
+            let found = cx
+                .checker
+                .program
+                .lookup_in(Space::Type, cx.module, &named.name.name);
+            matches!(found, Lookup::Found(id) if cx.checker.temporal_types.contains(&id))
         }
         TypeKind::Array(array) => is_temporal_type(cx, &array.element),
         _ => false,
@@ -136,7 +138,7 @@ pub(crate) fn check_call_in_quantifier<'a>(
     if !check_in_quantifier(cx) {
         return;
     }
-    let DeclKind::Node(node) = cx.c.program.decl(id).kind else {
+    let DeclKind::Node(node) = cx.checker.program.decl(id).kind else {
         return;
     };
     let opaque = node.kind == NodeKind::Node || matches!(node.definition, NodeDef::Extern);
@@ -144,7 +146,7 @@ pub(crate) fn check_call_in_quantifier<'a>(
         .args
         .iter()
         .any(|arg| bindings::reads_binding(cx, &arg.value));
-    if opaque && (reads || cx.guarded) {
+    if opaque && (reads || cx.bindings.in_guarded_branch) {
         let message = format!(
             "cannot call `{}` for a quantified variable",
             call.callee.name.name

@@ -37,17 +37,18 @@ pub(crate) fn most(program: &Program<'_>) -> usize {
 
 /// Whether another element or instance may be expanded; reports the limit once if not.
 pub(crate) fn may_expand(cx: &mut Body<'_, '_>, span: Span) -> bool {
-    let may = cx.c.written_out + cx.unit.exprs.len() < cx.c.most;
+    let may =
+        cx.checker.limits.expanded_size + cx.unit.exprs.len() < cx.checker.limits.max_expanded_size;
     if !may {
-        program_too_large(cx.c, span);
+        program_too_large(cx.checker, span);
     }
     may
 }
 
 /// Whether a constant with these leaves may be stored; reports the limit once if not.
 pub(crate) fn may_store_constant(checker: &mut Checker<'_>, leaves: &[Leaf], span: Span) -> bool {
-    checker.written_out += leaves.len() / LEAVES;
-    let may = checker.written_out < checker.most;
+    checker.limits.expanded_size += leaves.len() / LEAVES;
+    let may = checker.limits.expanded_size < checker.limits.max_expanded_size;
     if !may {
         program_too_large(checker, span);
     }
@@ -56,10 +57,10 @@ pub(crate) fn may_store_constant(checker: &mut Checker<'_>, leaves: &[Leaf], spa
 
 /// Reports once that the expanded program is too large.
 pub(crate) fn program_too_large(checker: &mut Checker<'_>, span: Span) {
-    if std::mem::replace(&mut checker.too_many_units, true) {
+    if std::mem::replace(&mut checker.limits.size_reported, true) {
         return;
     }
-    let most = checker.most;
+    let most = checker.limits.max_expanded_size;
     let message = format!("program too large: more than {most} expressions after expansion");
     let finding = Finding::new(Code::RPI1011, message).at(span, "limit exceeded here");
     checker.findings.push(finding.help("use smaller sizes: iterators expand to one copy per element, generic nodes to one per choice of static arguments"));
@@ -67,7 +68,7 @@ pub(crate) fn program_too_large(checker: &mut Checker<'_>, span: Span) {
 
 /// Whether a declaration that the current one needs may be checked now; reports the limit once if not.
 pub(crate) fn may_nest(checker: &mut Checker<'_>, what: &str, span: Span) -> bool {
-    check_nesting_limit(checker, checker.nesting < MAX_NESTING, what, span)
+    check_nesting_limit(checker, checker.limits.nesting < MAX_NESTING, what, span)
 }
 
 /// Whether another alias may be resolved; reports the limit once if not.
@@ -76,7 +77,7 @@ pub(crate) fn may_alias(checker: &mut Checker<'_>, span: Span) -> bool {
 }
 
 fn check_nesting_limit(checker: &mut Checker<'_>, may: bool, what: &str, span: Span) -> bool {
-    if !may && !std::mem::replace(&mut checker.too_deep, true) {
+    if !may && !std::mem::replace(&mut checker.limits.nesting_reported, true) {
         checker.findings.push(
             Finding::new(
                 Code::RPI1011,
@@ -94,9 +95,9 @@ pub(crate) fn check_nested<'a, T>(
     checker: &mut Checker<'a>,
     work: impl FnOnce(&mut Checker<'a>) -> T,
 ) -> T {
-    checker.nesting += 1;
+    checker.limits.nesting += 1;
     let result = work(checker);
-    checker.nesting -= 1;
+    checker.limits.nesting -= 1;
     result
 }
 

@@ -98,12 +98,12 @@ pub(crate) fn header_with_open_statics(
 /// Whether an alias is defined by itself, directly or through other aliases. Each such dependency cycle is reported
 /// once.
 pub(crate) fn is_cyclic_alias(checker: &mut Checker<'_>, id: DeclId) -> bool {
-    if checker.ringed.contains(&id) {
+    if checker.cyclic_aliases.contains(&id) {
         return true;
     }
     let is_ring = checker.aliases.contains(&id);
     if is_ring {
-        checker.ringed.extend(&checker.aliases);
+        checker.cyclic_aliases.extend(&checker.aliases);
         type_decls::report_dependency_cycle(checker, "node", id);
     }
     is_ring
@@ -202,9 +202,9 @@ fn unit_ports(
 ) -> Option<Ports> {
     let mut statics = statics.clone();
     let is_fixed = |name: &Name| fixed.iter().any(|(fixed, _)| fixed == name);
-    let mut open = static_params::add_default_statics(cx.c, id, &mut statics);
+    let mut open = static_params::add_default_statics(cx.checker, id, &mut statics);
     open.retain(|name| !is_fixed(name));
-    let params = static_params::static_params_of(cx.c, id);
+    let params = static_params::static_params_of(cx.checker, id);
     let is_type = |name: &Name| {
         let mut params = params.iter();
         params.any(|param| matches!(param, Param::Type(..)) && param.name().name == *name)
@@ -213,9 +213,9 @@ fn unit_ports(
         // The types are inferred from the arguments of a call.
         return None;
     }
-    let header = header_with_open_statics(cx.c, id, Rc::new(statics), &open, span);
+    let header = header_with_open_statics(cx.checker, id, Rc::new(statics), &open, span);
     let Some(header) = header else {
-        let decl = cx.c.program.decl(id);
+        let decl = cx.checker.program.decl(id);
         let finding = missing(&decl.name, &open, span, decl.span);
         cx.findings.extend((!open.is_empty()).then_some(finding));
         return None;

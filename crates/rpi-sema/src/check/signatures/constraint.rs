@@ -129,7 +129,7 @@ pub(crate) fn check_constraints(
     statics: &Statics,
     span: Span,
 ) -> bool {
-    for param in static_params::static_params_of(cx.c, id) {
+    for param in static_params::static_params_of(cx.checker, id) {
         let Param::Type(name, Some(constraint)) = param else {
             continue;
         };
@@ -138,7 +138,7 @@ pub(crate) fn check_constraints(
             continue;
         };
         if !wanted.admits(ty) {
-            let of = cx.c.program.decl(id).name.clone();
+            let of = cx.checker.program.decl(id).name.clone();
             let finding = violated(&of, name, wanted, ty);
             let finding = finding.at(span, format!("`{}` is `{ty}` here", name.name));
             let declared = format!("`{}` is {}", name.name, wanted.described());

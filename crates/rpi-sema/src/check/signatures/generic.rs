@@ -53,7 +53,7 @@ pub(crate) fn check_generics(checker: &mut Checker<'_>) {
         let unknown: Vec<Finding> = unknown.collect();
         let is_checked = unknown.is_empty() && !params.is_empty() && !checker.is_lustre(id);
         if !unknown.is_empty() {
-            checker.faulty_generics.insert(id);
+            checker.instances.erroneous_generics.insert(id);
         }
         checker.findings.extend(unknown);
         if !is_checked {
@@ -65,7 +65,7 @@ pub(crate) fn check_generics(checker: &mut Checker<'_>) {
             false => attribute_to_constraint(checker, id, &params, found),
         };
         if !told.is_empty() {
-            checker.faulty_generics.insert(id);
+            checker.instances.erroneous_generics.insert(id);
         }
         checker.findings.extend(told);
     }
@@ -138,19 +138,19 @@ fn check_instance(checker: &mut Checker<'_>, id: DeclId, statics: Statics) {
 /// Runs a check and returns its diagnostics; discards all units that it creates.
 fn discarding_units(checker: &mut Checker<'_>, check: impl FnOnce(&mut Checker)) -> Vec<Finding> {
     let findings = std::mem::take(&mut checker.findings);
-    let queue = std::mem::take(&mut checker.queue);
-    let unit_ids = std::mem::take(&mut checker.unit_ids);
-    let called = std::mem::take(&mut checker.called);
-    let told = std::mem::take(&mut checker.told_of_instances);
-    let (units, written_out) = (checker.units.len(), checker.written_out);
+    let queue = std::mem::take(&mut checker.instances.queue);
+    let unit_ids = std::mem::take(&mut checker.instances.ids);
+    let called = std::mem::take(&mut checker.instances.called);
+    let told = std::mem::take(&mut checker.instances.reported);
+    let (units, written_out) = (checker.units.len(), checker.limits.expanded_size);
     check(checker);
     checker.units.truncate(units);
-    checker.entries.truncate(units);
-    checker.written_out = written_out;
-    checker.queue = queue;
-    checker.unit_ids = unit_ids;
-    checker.called = called;
-    checker.told_of_instances = told;
+    checker.instances.entries.truncate(units);
+    checker.limits.expanded_size = written_out;
+    checker.instances.queue = queue;
+    checker.instances.ids = unit_ids;
+    checker.instances.called = called;
+    checker.instances.reported = told;
     std::mem::replace(&mut checker.findings, findings)
 }
 

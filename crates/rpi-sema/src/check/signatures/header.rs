@@ -97,13 +97,13 @@ pub(crate) fn check_header(
         return header.clone();
     }
     // Headers can nest: a default value may call a unit with default values.
-    let is_inside = checker.headers_open > 0;
+    let is_inside = checker.limits.header_depth > 0;
     if is_inside && !nesting::may_nest(checker, "call", checker.program.decl(id).span) {
         return None;
     }
-    checker.headers_open += 1;
+    checker.limits.header_depth += 1;
     let header = new_header(checker, id, statics).map(Rc::new);
-    checker.headers_open -= 1;
+    checker.limits.header_depth -= 1;
     checker.headers.insert(key, header.clone());
     header
 }
@@ -236,7 +236,7 @@ pub(crate) fn declare_ports(cx: &mut Body<'_, '_>, id: DeclId) {
     cx.in_signature = true;
     report_type_param_redefinition(cx, id);
     declare_load_time_params(cx, id);
-    match cx.c.program.decl(id).kind {
+    match cx.checker.program.decl(id).kind {
         DeclKind::Node(node) => declare_node_ports(cx, node),
         DeclKind::Fragment(fragment) => declare_fragment_ports(cx, fragment),
         DeclKind::Primitive(primitive) => declare_primitive_ports(cx, primitive),
@@ -249,16 +249,19 @@ pub(crate) fn declare_ports(cx: &mut Body<'_, '_>, id: DeclId) {
 
 /// Reports a Lustre type parameter with the name of a type of the file.
 fn report_type_param_redefinition(cx: &mut Body<'_, '_>, id: DeclId) {
-    for param in static_params::static_params_of(cx.c, id) {
+    for param in static_params::static_params_of(cx.checker, id) {
         let crate::check::signatures::static_params::Param::Type(name, _) = param else {
             continue;
         };
-        let found = cx.c.program.lookup_in(Space::Type, cx.module, &name.name);
+        let found = cx
+            .checker
+            .program
+            .lookup_in(Space::Type, cx.module, &name.name);
         if let Lookup::Found(first) = found
             && !unit::reads_rpi_syntax(cx)
-            && matches!(cx.c.program.decl(first).kind, DeclKind::Type(_))
+            && matches!(cx.checker.program.decl(first).kind, DeclKind::Type(_))
         {
-            let first = cx.c.program.decl(first).span;
+            let first = cx.checker.program.decl(first).span;
             report::report_diagnostic(cx, crate::program::twice(&name.name, name.span, first));
         }
     }
@@ -266,7 +269,7 @@ fn report_type_param_redefinition(cx: &mut Body<'_, '_>, id: DeclId) {
 
 /// Declares static values that are only known at load time as flows.
 fn declare_load_time_params(cx: &mut Body<'_, '_>, id: DeclId) {
-    for param in static_params::static_params_of(cx.c, id) {
+    for param in static_params::static_params_of(cx.checker, id) {
         let crate::check::signatures::static_params::Param::Value(name, def) = param else {
             continue;
         };
@@ -275,7 +278,7 @@ fn declare_load_time_params(cx: &mut Body<'_, '_>, id: DeclId) {
         }
         let ty = match &def.ty {
             Some(ty) => types::resolve_type(cx, ty),
-            None => static_params::static_param_type(cx.c, id, def, &cx.statics.clone()),
+            None => static_params::static_param_type(cx.checker, id, def, &cx.statics.clone()),
         };
         let optional = false;
         let flow = locals::declare_flow(cx, name, &PortTy { ty, optional }, FlowRole::Param);

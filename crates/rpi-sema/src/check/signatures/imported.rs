@@ -44,7 +44,7 @@ impl Import<'_> {
 pub(crate) fn declare_imports<'a>(cx: &mut Body<'_, 'a>, contract: &'a Contract) {
     let by = cx.block;
     let imports = contract.imports.iter();
-    cx.imports.extend(imports.map(|text| Import {
+    cx.contract.imports.extend(imports.map(|text| Import {
         text,
         by,
         call: None,
@@ -54,8 +54,8 @@ pub(crate) fn declare_imports<'a>(cx: &mut Body<'_, 'a>, contract: &'a Contract)
 /// Checks the imports of a contract and returns their arguments.
 pub(crate) fn check_imports(cx: &mut Body<'_, '_>, block: BlockId) -> Vec<ExprId> {
     let mut given = Vec::new();
-    for at in 0..cx.imports.len() {
-        if cx.imports[at].by == block {
+    for at in 0..cx.contract.imports.len() {
+        if cx.contract.imports[at].by == block {
             let call = import_instance(cx, at);
             given.extend(import_args(cx, call).unwrap_or_default());
         }
@@ -73,7 +73,7 @@ pub(crate) fn imported_mode_args(cx: &Body<'_, '_>, kind: &Kind) -> Option<Vec<E
 
 /// Returns the arguments of an imported contract, if the expression is its instance.
 fn import_args(cx: &Body<'_, '_>, instance: ExprId) -> Option<Vec<ExprId>> {
-    let mut imports = cx.imports.iter();
+    let mut imports = cx.contract.imports.iter();
     let import = imports.find(|import| import.call == Some(instance))?;
     let Kind::Call(call) = &cx.unit.expr(instance).kind else {
         return None;
@@ -84,23 +84,26 @@ fn import_args(cx: &Body<'_, '_>, instance: ExprId) -> Option<Vec<ExprId>> {
 
 /// Returns the instance of an imported contract; creates it on first use.
 fn import_instance(cx: &mut Body<'_, '_>, at: usize) -> ExprId {
-    let import = cx.imports[at];
+    let import = cx.contract.imports[at];
     if let Some(call) = import.call {
         return call;
     }
     // The instance belongs to the importing contract, not to the claim or quantifier that first reads one of its
     // modes.
-    let around = (cx.claim.take(), std::mem::take(&mut cx.bound));
+    let around = (
+        cx.contract.claim_check.take(),
+        std::mem::take(&mut cx.bindings.bound_names),
+    );
     let call = cx.within(import.by, |body| check_import(body, import.text));
-    (cx.claim, cx.bound) = around;
-    cx.imports[at].call = Some(call);
+    (cx.contract.claim_check, cx.bindings.bound_names) = around;
+    cx.contract.imports[at].call = Some(call);
     call
 }
 
 /// Checks the call of an imported contract.
 fn check_import<'a>(cx: &mut Body<'_, 'a>, import: &'a ContractImport) -> ExprId {
     let span = import.call.span;
-    cx.importing = true;
+    cx.contract.resolving_contract = true;
     let value = expr::check_expr(cx, &import.call);
     let targets = Vec::new();
     cx.current().equations.push(Equation {
@@ -110,8 +113,8 @@ fn check_import<'a>(cx: &mut Body<'_, 'a>, import: &'a ContractImport) -> ExprId
     });
     if let Kind::Call(call) = &cx.unit.expr(value).kind {
         let unit = call.unit;
-        unit::check_unit_now(cx.c, unit);
-        let callee = &cx.c.units[unit.0 as usize];
+        unit::check_unit_now(cx.checker, unit);
+        let callee = &cx.checker.units[unit.0 as usize];
         cx.unit.exprs[value.0 as usize].ty = callee.result().widened();
         if callee.has_state {
             cx.has_state(span);
@@ -128,8 +131,8 @@ pub(crate) fn imported_mode_condition(
     span: Span,
 ) -> ExprId {
     let named = |import: &Import<'_>| import.name().is_some_and(|name| name.name == *contract);
-    let Some(at) = cx.imports.iter().position(named) else {
-        let names = cx.imports.iter().filter_map(Import::name);
+    let Some(at) = cx.contract.imports.iter().position(named) else {
+        let names = cx.contract.imports.iter().filter_map(Import::name);
         let near = rpi_diag::suggest(contract, names.map(|name| name.name.as_str()));
         let near = near.map(|near| format!("::{near}::{mode}"));
         let finding = unknown("imported contract", contract, span, near);
@@ -139,7 +142,7 @@ pub(crate) fn imported_mode_condition(
     let Kind::Call(call) = &cx.unit.expr(base).kind else {
         return cx.fault(span);
     };
-    let callee = &cx.c.units[call.unit.0 as usize];
+    let callee = &cx.checker.units[call.unit.0 as usize];
     let modes: Vec<_> = callee.outputs.iter().map(|id| callee.flow(*id)).collect();
     let Some(place) = modes.iter().position(|flow| flow.name == *mode) else {
         let near = rpi_diag::suggest(mode, modes.iter().map(|flow| flow.name.as_str()));
@@ -153,7 +156,7 @@ pub(crate) fn imported_mode_condition(
 
 /// Declares the outputs of a declared contract: the condition of each of its modes and of those of its imports.
 pub(crate) fn declare_mode_outputs<'a>(cx: &mut Body<'_, 'a>, contract: &'a Contract) {
-    let applies = std::mem::take(&mut cx.applies);
+    let applies = std::mem::take(&mut cx.contract.mode_conditions);
     let own = contract.modes.iter().map(|mode| &mode.name);
     let own = own.zip(applies).map(|(name, value)| (name.clone(), value));
     let own: Vec<(Ident, ExprId)> = own.collect();
@@ -178,14 +181,17 @@ pub(crate) fn declare_mode_outputs<'a>(cx: &mut Body<'_, 'a>, contract: &'a Cont
 /// Returns `D::m` for each mode of an imported contract `D`, with its condition.
 fn imported_modes(cx: &mut Body<'_, '_>) -> Vec<(Ident, ExprId)> {
     let mut modes = Vec::new();
-    for at in 0..cx.imports.len() {
-        let Some((name, base)) = cx.imports[at].name().zip(cx.imports[at].call) else {
+    for at in 0..cx.contract.imports.len() {
+        let Some((name, base)) = cx.contract.imports[at]
+            .name()
+            .zip(cx.contract.imports[at].call)
+        else {
             continue;
         };
         let Kind::Call(call) = &cx.unit.expr(base).kind else {
             continue;
         };
-        let callee = &cx.c.units[call.unit.0 as usize];
+        let callee = &cx.checker.units[call.unit.0 as usize];
         let outputs = callee.outputs.iter().map(|id| callee.flow(*id));
         let names = (0..).zip(outputs.map(|flow| flow.name.as_str()));
         let names = names.filter(|(_, mode)| mode.matches("::").count() < MAX_PATH);

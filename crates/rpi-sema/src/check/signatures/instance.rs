@@ -101,13 +101,13 @@ pub(crate) fn resolve_instance(
     match open.is_empty() {
         true => Some(header.clone()),
         false if !constraint::check_constraints(cx, header.decl, &statics, span) => None,
-        false => header::check_header(cx.c, header.decl, Rc::new(statics)),
+        false => header::check_header(cx.checker, header.decl, Rc::new(statics)),
     }
 }
 
 /// Reports missing static arguments.
 pub(crate) fn report_missing(cx: &mut Body<'_, '_>, id: DeclId, left: &[Name], span: Span) {
-    let decl = cx.c.program.decl(id);
+    let decl = cx.checker.program.decl(id);
     let finding = missing(&decl.name, left, span, decl.span);
     report::report_diagnostic(cx, finding);
 }

@@ -123,7 +123,7 @@ pub(crate) fn check_samples(checker: &mut Checker<'_>) {
 
 fn check_sample(checker: &mut Checker<'_>, id: DeclId, statics: Rc<Statics>) {
     static_params::check_node_params(checker, id, &statics);
-    if checker.called.contains(&id) {
+    if checker.instances.called.contains(&id) {
         return;
     }
     if let Some(header) = header::check_header(checker, id, statics) {

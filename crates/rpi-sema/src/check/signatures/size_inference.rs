@@ -22,7 +22,8 @@ pub(crate) fn infer_size_params<'a>(
     given: &[Given<'a>],
     statics: &mut Statics,
 ) -> bool {
-    let Some(signature) = check_signature(cx.c, id).filter(|_| unit::reads_rpi_syntax(cx)) else {
+    let Some(signature) = check_signature(cx.checker, id).filter(|_| unit::reads_rpi_syntax(cx))
+    else {
         return true;
     };
     let mut known = true;

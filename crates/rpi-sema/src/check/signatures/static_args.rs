@@ -69,7 +69,7 @@ pub(crate) fn bind_statics<'a>(
     id: DeclId,
     args: &'a [StaticArg],
 ) -> Bound<'a> {
-    let params = static_params::static_params_of(cx.c, id);
+    let params = static_params::static_params_of(cx.checker, id);
     let mut bound = Bound {
         statics: Statics::new(),
         ports: Vec::new(),
@@ -109,7 +109,7 @@ pub(crate) fn bind_sizes<'a>(
     args: &'a [Arg],
     bound: &mut Bound<'a>,
 ) -> Vec<&'a Arg> {
-    let DeclKind::Node(node) = cx.c.program.decl(id).kind else {
+    let DeclKind::Node(node) = cx.checker.program.decl(id).kind else {
         return args.iter().collect();
     };
     let ports = node
@@ -145,7 +145,7 @@ fn bind_size<'a>(
     arg: &'a Arg,
     bound: &mut Bound<'a>,
 ) {
-    let ty = static_params::static_param_type(cx.c, id, def, &bound.statics);
+    let ty = static_params::static_param_type(cx.checker, id, def, &bound.statics);
     match consts::const_value(cx, &arg.value, &ty) {
         Some(leaves) => {
             bound
@@ -160,7 +160,9 @@ fn bind_size<'a>(
 /// `on_delay<<500[ms]>>(x)`.
 fn may_be_for_port(cx: &Body<'_, '_>, id: DeclId, params: &[Param<'_>], arg: &StaticArg) -> bool {
     let has_values = params.iter().any(|param| !matches!(param, Param::Type(..)));
-    let has_ports = static_params::in_port_names(cx.c, id).next().is_some();
+    let has_ports = static_params::in_port_names(cx.checker, id)
+        .next()
+        .is_some();
     unit::reads_rpi_syntax(cx)
         && !has_values
         && has_ports
@@ -199,7 +201,7 @@ fn static_expr<'a>(cx: &mut Body<'_, 'a>, arg: &'a StaticArg) -> Option<ExprId> 
 
 /// Adds to the reported error of `f<<bool>>` the parameter that expects a value.
 fn expected_value_hint(cx: &mut Body<'_, '_>, id: DeclId, name: &Ident, arg: &StaticArg) {
-    let of = &cx.c.program.decl(id).name;
+    let of = &cx.checker.program.decl(id).name;
     let what = match &arg.value {
         StaticValue::Type(_) => "this is a type",
         StaticValue::Op(_) => "this is an operator",
@@ -215,7 +217,7 @@ fn expected_value_hint(cx: &mut Body<'_, '_>, id: DeclId, name: &Ident, arg: &St
 }
 
 fn too_many_static_args(cx: &mut Body<'_, '_>, id: DeclId, count: usize, span: Span) {
-    let decl = cx.c.program.decl(id);
+    let decl = cx.checker.program.decl(id);
     let finding = Finding::new(
         Code::RPI1010,
         format!(
@@ -273,7 +275,7 @@ fn bind_value<'a>(
     value: ExprId,
     bound: &mut Bound<'a>,
 ) -> Static {
-    let ty = static_params::static_param_type(cx.c, id, def, &bound.statics);
+    let ty = static_params::static_param_type(cx.checker, id, def, &bound.statics);
     let wanted = crate::check::diagnostics::report::Wanted::By(
         name.span,
         format!("`{}` is `{ty}`", name.name),
@@ -351,7 +353,7 @@ fn port_mismatch<'a>(
     let wanted = [&signature.inputs, &signature.outputs];
     for (wanted, given) in wanted.into_iter().zip([&ports.inputs, &ports.outputs]) {
         let wanted = static_params::signature_port_types(
-            cx.c,
+            cx.checker,
             id,
             statics,
             wanted.as_deref().unwrap_or_default(),

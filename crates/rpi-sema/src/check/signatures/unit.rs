@@ -56,18 +56,18 @@ pub(crate) fn instantiate(
     span: Span,
 ) -> Option<UnitId> {
     let key = key(header.decl, &header.statics);
-    if let Some(id) = checker.unit_ids.get(&key) {
+    if let Some(id) = checker.instances.ids.get(&key) {
         return Some(*id);
     }
     let depth = match header.statics.is_empty() {
         true => 0,
-        false => checker.depth + 1,
+        false => checker.instances.depth + 1,
     };
     if checker.units.len() >= MAX_UNITS || depth as usize > MAX_DEPTH {
         instance_limit_exceeded(checker, header, depth, span);
         return None;
     }
-    if checker.written_out >= checker.most {
+    if checker.limits.expanded_size >= checker.limits.max_expanded_size {
         nesting::program_too_large(checker, span);
         return None;
     }
@@ -75,20 +75,20 @@ pub(crate) fn instantiate(
     checker
         .units
         .push(Unit::new(header.name.clone(), header.kind, header.span));
-    checker.entries.push(Entry {
+    checker.instances.entries.push(Entry {
         header: header.clone(),
         called: span,
         depth,
         state: Progress::Queued,
     });
-    checker.unit_ids.insert(key, id);
-    checker.called.insert(header.decl);
-    checker.queue.push_back(id);
+    checker.instances.ids.insert(key, id);
+    checker.instances.called.insert(header.decl);
+    checker.instances.queue.push_back(id);
     Some(id)
 }
 
 fn instance_limit_exceeded(checker: &mut Checker<'_>, header: &Header, depth: u32, span: Span) {
-    if std::mem::replace(&mut checker.too_many_units, true) {
+    if std::mem::replace(&mut checker.limits.size_reported, true) {
         return;
     }
     let name = &checker.program.decl(header.decl).name;
@@ -169,14 +169,15 @@ pub(crate) fn lacks_sizes(
 
 /// Checks all units in the queue, and the units that they call.
 pub(crate) fn check_queued(checker: &mut Checker<'_>) {
-    while let Some(id) = checker.queue.pop_front() {
+    while let Some(id) = checker.instances.queue.pop_front() {
         check_unit(checker, id);
     }
 }
 
 /// Checks a unit and all units that it calls immediately, for a constant that needs them.
 pub(crate) fn check_unit_now(checker: &mut Checker<'_>, id: UnitId) {
-    let is_queued = |c: &Checker, id: UnitId| c.entries[id.0 as usize].state == Progress::Queued;
+    let is_queued =
+        |c: &Checker, id: UnitId| c.instances.entries[id.0 as usize].state == Progress::Queued;
     if !is_queued(checker, id)
         || !nesting::may_nest(checker, "call", checker.units[id.0 as usize].span)
     {
@@ -203,7 +204,7 @@ pub(crate) fn reads_no_ports(
         return false;
     };
     check_unit_now(checker, id);
-    if checker.entries[id.0 as usize].state != Progress::Done {
+    if checker.instances.entries[id.0 as usize].state != Progress::Done {
         return false;
     }
     let unit = &checker.units[id.0 as usize];
@@ -229,14 +230,14 @@ fn is_in_library(checker: &Checker<'_>, id: DeclId) -> bool {
 }
 
 fn check_unit(checker: &mut Checker<'_>, id: UnitId) {
-    let entry = &mut checker.entries[id.0 as usize];
+    let entry = &mut checker.instances.entries[id.0 as usize];
     if entry.state != Progress::Queued {
         return;
     }
     entry.state = Progress::Busy;
     let header = entry.header.clone();
     let called = entry.called;
-    let outer = std::mem::replace(&mut checker.depth, entry.depth);
+    let outer = std::mem::replace(&mut checker.instances.depth, entry.depth);
     let mut unit = Unit::new(header.name.clone(), header.kind, header.span);
     unit.is_lustre = checker.is_lustre(header.decl);
     let mut body = Body::new(checker, header.decl, header.statics.clone(), unit);
@@ -246,21 +247,26 @@ fn check_unit(checker: &mut Checker<'_>, id: UnitId) {
         attribute_to_call(&mut body, &header, called);
     }
     let unit = body.leave();
-    checker.depth = outer;
-    checker.written_out += unit.exprs.len() + unit.flows.len();
+    checker.instances.depth = outer;
+    checker.limits.expanded_size += unit.exprs.len() + unit.flows.len();
     checker.units[id.0 as usize] = unit;
-    checker.entries[id.0 as usize].state = Progress::Done;
+    checker.instances.entries[id.0 as usize].state = Progress::Done;
 }
 
 /// Adds to each error in a generic callable the call for which it is checked.
 fn attribute_to_call(cx: &mut Body<'_, '_>, header: &Header, called: Span) {
     let mut findings = std::mem::take(&mut cx.findings);
     let is_error = |finding: &Finding| finding.severity() == Severity::Error;
-    if cx.c.faulty_generics.contains(&header.decl) {
+    if cx
+        .checker
+        .instances
+        .erroneous_generics
+        .contains(&header.decl)
+    {
         findings.retain(|finding| !is_error(finding));
     }
     let text = format!("in `{}`, called here", header.name);
-    if is_in_library(cx.c, header.decl) {
+    if is_in_library(cx.checker, header.decl) {
         // The library has no errors of its own, so the arguments of this call are the cause.
         let first = findings.into_iter().find(is_error);
         cx.findings
@@ -272,7 +278,7 @@ fn attribute_to_call(cx: &mut Body<'_, '_>, header: &Header, called: Span) {
         false => finding,
     };
     // An error is reported for one call only, even if its message differs for another one.
-    let told = &mut cx.c.told_of_instances;
+    let told = &mut cx.checker.instances.reported;
     let is_new = |finding: &Finding| {
         !is_error(finding) || told.insert((header.decl, finding.code, finding.span()))
     };
@@ -284,7 +290,7 @@ fn check_decl(cx: &mut Body<'_, '_>, id: DeclId) {
     header::declare_ports(cx, id);
     // The header has reported the errors in the ports.
     cx.findings.clear();
-    match cx.c.program.decl(id).kind {
+    match cx.checker.program.decl(id).kind {
         DeclKind::Node(node) => check_node(cx, node),
         DeclKind::Fragment(fragment) => check_fragment(cx, fragment),
         DeclKind::Primitive(primitive) => prim::check_primitive(cx, primitive),
@@ -297,7 +303,7 @@ fn check_decl(cx: &mut Body<'_, '_>, id: DeclId) {
 
 fn check_node<'a>(cx: &mut Body<'_, 'a>, node: &'a NodeDecl) {
     check_modifier(cx, node);
-    cx.is_contract = node.kind == NodeKind::Contract;
+    cx.contract.is_contract = node.kind == NodeKind::Contract;
     match &node.definition {
         NodeDef::Body(body) => {
             let allowed = match node.kind {
@@ -316,8 +322,8 @@ fn check_node<'a>(cx: &mut Body<'_, 'a>, node: &'a NodeDecl) {
             assumptions::check_assumptions(cx, &assumed, &[]);
         }
     }
-    cx.unit.has_state = cx.state_at.is_some();
-    if let (NodeKind::Function, Some(span)) = (node.kind, cx.state_at) {
+    cx.unit.has_state = cx.first_state_span.is_some();
+    if let (NodeKind::Function, Some(span)) = (node.kind, cx.first_state_span) {
         state_in_function(cx, span);
     }
 }
@@ -369,7 +375,7 @@ fn called_at(cx: &Body<'_, '_>, span: Span) -> Option<(&'static str, rpi_syntax:
     let mut here = cx.unit.exprs.iter().filter(|expr| expr.span == span);
     here.find_map(|expr| match &expr.kind {
         Kind::Call(call) => {
-            let header = &cx.c.entries[call.unit.0 as usize].header;
+            let header = &cx.checker.instances.entries[call.unit.0 as usize].header;
             let kind = match header.kind {
                 UnitKind::Node => "node",
                 UnitKind::Fragment => "fragment",

@@ -133,13 +133,13 @@ fn task_step_of(cx: &Body<'_, '_>, run: &Run) -> Option<usize> {
 }
 
 fn is_command_step(cx: &Body<'_, '_>, step: usize) -> bool {
-    let decl = cx.c.program.decl(cx.unit.steps[step].decl);
+    let decl = cx.checker.program.decl(cx.unit.steps[step].decl);
     matches!(decl.kind, DeclKind::Command(_))
 }
 
 fn taken_over_inputs(cx: &mut Body<'_, '_>, unit: UnitId) -> Vec<Taken> {
-    unit::check_unit_now(cx.c, unit);
-    let unit = &cx.c.units[unit.0 as usize];
+    unit::check_unit_now(cx.checker, unit);
+    let unit = &cx.checker.units[unit.0 as usize];
     let flows = unit.inputs.iter().map(|id| (*id, unit.flow(*id)));
     let given = flows.filter(|(_, flow)| flow.role == FlowRole::Given && flow.default.is_none());
     given
@@ -159,8 +159,8 @@ fn source_from(
     run: &Run,
 ) -> Result<Handed, Box<Finding>> {
     let Taken { flow, name, ty, .. } = taken;
-    unit::check_unit_now(cx.c, before);
-    let unit = &cx.c.units[before.0 as usize];
+    unit::check_unit_now(cx.checker, before);
+    let unit = &cx.checker.units[before.0 as usize];
     debug_assert!(unit.kind == UnitKind::Command);
     let mut exports = unit.block(BlockId::ROOT).exports.iter().enumerate();
     let Some((index, export)) = exports.find(|(_, export)| export.key == name.as_str()) else {

@@ -144,7 +144,7 @@ fn find_label<'a>(cx: &mut Body<'_, 'a>, label: &Ident, labels: &Labels<'a>) -> 
         .find(|(known, _)| known.name == label.name);
     if found.is_none() {
         let names = labels.iter().map(|(known, _)| known.name.as_str());
-        let near = cx.c.suggest(&label.name, names);
+        let near = cx.checker.suggest(&label.name, names);
         report::report_diagnostic(cx, unknown("step", &label.name, label.span, near));
     }
     found.map(|(_, run)| *run)
@@ -195,7 +195,7 @@ fn check_known_at_load(cx: &mut Body<'_, '_>, value: ExprId) -> bool {
 fn check_run<'a>(cx: &mut Body<'_, 'a>, run: &'a Run, next: &[&'a Run], labels: &Labels<'a>) {
     if let Some(id) = resolve_run(cx, run) {
         check_run_arguments(cx, id, run);
-        match cx.c.program.decl(id).kind {
+        match cx.checker.program.decl(id).kind {
             DeclKind::Command(command) => {
                 results::check_branches(cx, command, run);
                 takeover::check_successors(cx, command, run, next, labels);
@@ -213,10 +213,10 @@ fn check_run<'a>(cx: &mut Body<'_, 'a>, run: &'a Run, next: &[&'a Run], labels: 
 /// Returns the command or task that a step runs; reports any other name.
 fn resolve_run<'a>(cx: &mut Body<'_, 'a>, run: &'a Run) -> Option<DeclId> {
     let name = &run.callee.name;
-    let Lookup::Found(id) = cx.c.program.lookup(cx.module, &name.name) else {
-        let runs = |id: DeclId| is_run(cx.c.program.decl(id).kind);
-        let visible = cx.c.program.visible(cx.module, runs);
-        let near = cx.c.suggest(&name.name, visible);
+    let Lookup::Found(id) = cx.checker.program.lookup(cx.module, &name.name) else {
+        let runs = |id: DeclId| is_run(cx.checker.program.decl(id).kind);
+        let visible = cx.checker.program.visible(cx.module, runs);
+        let near = cx.checker.suggest(&name.name, visible);
         let finding = unknown("command or task", &name.name, name.span, near);
         report::report_diagnostic(
             cx,
@@ -227,7 +227,7 @@ fn resolve_run<'a>(cx: &mut Body<'_, 'a>, run: &'a Run) -> Option<DeclId> {
         );
         return None;
     };
-    let decl = cx.c.program.decl(id);
+    let decl = cx.checker.program.decl(id);
     let (kind, span) = (decl.kind, decl.span);
     if is_run(kind) {
         return Some(id);
@@ -249,7 +249,7 @@ fn check_run_arguments<'a>(cx: &mut Body<'_, 'a>, id: DeclId, run: &'a Run) {
     }
     let span = run.callee.span;
     if let Ok(Fitted { header, args, .. }) = call::match_call(cx, id, bound.statics, given, span)
-        && let Some(unit) = unit::instantiate(cx.c, &header, span)
+        && let Some(unit) = unit::instantiate(cx.checker, &header, span)
     {
         cx.unit.steps.push(TaskStep {
             span,

@@ -41,8 +41,8 @@ struct Clash {
 /// Checks that parallel branches drive different devices.
 pub(in crate::check::task) fn check_parallel_devices(cx: &mut Body<'_, '_>, task: &TaskDecl) {
     let mut looked = Looked {
-        program: cx.c.program,
-        known: &mut cx.c.task_uses,
+        program: cx.checker.program,
+        known: &mut cx.checker.task_uses,
         open: Vec::new(),
     };
     let uses = looked.steps(&task.steps, cx.module);

@@ -62,7 +62,7 @@ fn check_branch(cx: &mut Body<'_, '_>, command: &CommandDecl, result: &Ident, na
     }
     if ends.iter().all(|end| end.result.name != result.name) {
         let names = || ends.iter().map(|end| end.result.name.as_str());
-        let near = cx.c.suggest(&result.name, names());
+        let near = cx.checker.suggest(&result.name, names());
         let of = format!("the command `{}`", command.name.name);
         let finding = no_member(&of, &result.name, result.span, near)
             .help(format!("its results are {}", listed(names())));

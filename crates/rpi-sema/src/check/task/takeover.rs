@@ -53,8 +53,8 @@ fn moved_params(cx: &mut Body<'_, '_>, run: &Run) -> Vec<Name> {
     let Some(unit) = handover::command_of(cx, run) else {
         return Vec::new();
     };
-    unit::check_unit_now(cx.c, unit);
-    let unit = &cx.c.units[unit.0 as usize];
+    unit::check_unit_now(cx.checker, unit);
+    let unit = &cx.checker.units[unit.0 as usize];
     let equations = unit.blocks.iter().flat_map(|block| &block.equations);
     let targets = equations.flat_map(|equation| &equation.targets);
     let moved = targets.filter_map(|target| match target.place {
@@ -69,10 +69,10 @@ fn devices_taken_by<'r>(cx: &Body<'_, '_>, runs: &[&'r Run]) -> Option<Vec<&'r s
     let mut taken = Vec::new();
     for run in runs {
         let name = &run.callee.name.name;
-        let Lookup::Found(id) = cx.c.program.lookup(cx.module, name) else {
+        let Lookup::Found(id) = cx.checker.program.lookup(cx.module, name) else {
             return None;
         };
-        let DeclKind::Command(successor) = cx.c.program.decl(id).kind else {
+        let DeclKind::Command(successor) = cx.checker.program.decl(id).kind else {
             return None;
         };
         taken.extend(given_to(&driven(successor), successor, run));

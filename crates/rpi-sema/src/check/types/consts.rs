@@ -27,7 +27,9 @@ pub(crate) fn check_constant(checker: &mut Checker<'_>, id: DeclId) -> Option<Co
     match checker.constants.get(&id) {
         Some(Lazy::Done(constant)) => {
             let constant = constant.clone();
-            checker.findings.extend(checker.outside.get(&id).cloned());
+            checker
+                .findings
+                .extend(checker.valueless_constants.get(&id).cloned());
             return constant;
         }
         Some(Lazy::Busy) => {
@@ -47,7 +49,7 @@ pub(crate) fn check_constant(checker: &mut Checker<'_>, id: DeclId) -> Option<Co
     }
     let before = checker.findings.len();
     checker.constants.insert(id, Lazy::Busy);
-    checker.open.push(id);
+    checker.in_progress.push(id);
     let constant = nesting::check_nested(checker, |checker| {
         let mut body = Body::around(checker, id);
         let constant = match decl.kind {
@@ -58,10 +60,10 @@ pub(crate) fn check_constant(checker: &mut Checker<'_>, id: DeclId) -> Option<Co
         body.leave();
         constant
     });
-    checker.open.pop();
+    checker.in_progress.pop();
     let mut found = checker.findings[before..].iter();
     if let Some(outside) = found.find(|finding| finding.code == Code::RPI1012) {
-        checker.outside.insert(id, outside.clone());
+        checker.valueless_constants.insert(id, outside.clone());
     }
     let constant = constant
         .filter(|constant| nesting::may_store_constant(checker, &constant.leaves, decl.span));
@@ -83,7 +85,7 @@ pub(crate) fn check_lustre_constant(checker: &mut Checker<'_>, id: DeclId) {
             .constants
             .retain(|_, constant| !matches!(constant, Lazy::Done(None)));
         checker
-            .outside
+            .valueless_constants
             .extend(outside.into_iter().next().map(|finding| (id, finding)));
     }
 }
@@ -204,9 +206,9 @@ pub(crate) fn try_fold(cx: &mut Body<'_, '_>, id: ExprId) -> Result<Rc<[Leaf]>, 
     }
     // Elaboration inlines calls, so that the called units must be checked first.
     for unit in called(&cx.unit, id) {
-        unit::check_unit_now(cx.c, unit);
+        unit::check_unit_now(cx.checker, unit);
     }
-    elab::constant(&cx.c.units, &cx.unit, id)
+    elab::constant(&cx.checker.units, &cx.unit, id)
 }
 
 /// Returns the diagnostic for a constant without a value. Lustre allows such constants as external ones.

@@ -40,11 +40,11 @@ pub(crate) fn type_instance_for<'a>(
     span: Span,
 ) -> Ty {
     let names = type_params(cx, id);
-    if cx.c.temporal.contains(&id) {
+    if cx.checker.temporal_types.contains(&id) {
         cx.has_state(span);
     }
     if names.len() != args.len() {
-        let decl = cx.c.program.decl(id);
+        let decl = cx.checker.program.decl(id);
         let message = format!(
             "`{}` takes {}, found {}",
             decl.name,
@@ -64,8 +64,8 @@ pub(crate) fn type_instance_for<'a>(
         };
         statics.insert(name, Static::Ty(ty));
     }
-    let ty = type_decls::type_instance(cx.c, id, Rc::new(statics));
-    if cx.c.temporal.contains(&id) {
+    let ty = type_decls::type_instance(cx.checker, id, Rc::new(statics));
+    if cx.checker.temporal_types.contains(&id) {
         cx.has_state(span);
     }
     ty
@@ -73,7 +73,7 @@ pub(crate) fn type_instance_for<'a>(
 
 /// Returns the names of the type parameters of a declared type.
 fn type_params(cx: &Body<'_, '_>, id: DeclId) -> Vec<Name> {
-    let DeclKind::Type(def) = cx.c.program.decl(id).kind else {
+    let DeclKind::Type(def) = cx.checker.program.decl(id).kind else {
         return Vec::new();
     };
     let params = params(&def.statics).into_iter();
@@ -87,7 +87,7 @@ fn type_params(cx: &Body<'_, '_>, id: DeclId) -> Vec<Name> {
 fn open_type(cx: &mut Body<'_, '_>, id: DeclId) -> Ty {
     let names = type_params(cx, id).into_iter();
     let statics = names.map(|name| (name.clone(), Static::Ty(Ty::Generic(name))));
-    type_decls::type_instance(cx.c, id, Rc::new(statics.collect()))
+    type_decls::type_instance(cx.checker, id, Rc::new(statics.collect()))
 }
 
 /// Returns a declared type with the inferred parameters; `None` if some are not inferred.
@@ -97,7 +97,7 @@ fn inferred_type(cx: &mut Body<'_, '_>, id: DeclId, subst: &Subst) -> Option<Ty>
         let ty = subst.types.get(&name)?.clone();
         statics.insert(name, Static::Ty(ty));
     }
-    Some(type_decls::type_instance(cx.c, id, Rc::new(statics)))
+    Some(type_decls::type_instance(cx.checker, id, Rc::new(statics)))
 }
 
 /// Returns the declaration of a generic struct if a literal does not give its type arguments.
@@ -105,9 +105,10 @@ pub(crate) fn generic_struct(cx: &mut Body<'_, '_>, value: &StructExpr) -> Optio
     if !value.statics.is_empty() {
         return None;
     }
-    let found =
-        cx.c.program
-            .lookup_in(Space::Type, cx.module, &value.ty.name);
+    let found = cx
+        .checker
+        .program
+        .lookup_in(Space::Type, cx.module, &value.ty.name);
     let Lookup::Found(id) = found else {
         return None;
     };
@@ -214,7 +215,7 @@ pub(crate) fn resolve_datatype<'a>(
 
 /// Returns the alternatives of a `datatype`; empty for any other declaration.
 fn constructors<'a>(cx: &Body<'_, 'a>, id: DeclId) -> &'a [Constructor] {
-    match cx.c.program.decl(id).kind {
+    match cx.checker.program.decl(id).kind {
         DeclKind::Type(def) => match def.ty.as_ref().map(|ty| &ty.kind) {
             Some(TypeKind::Data(all)) => all,
             _ => &[],

@@ -24,8 +24,8 @@ pub(crate) fn resolve_device_type<'a>(
 ) -> Ty {
     let bound = static_args::bind_statics(cx, id, &named.statics);
     let mut statics = bound.statics;
-    static_params::add_default_statics(cx.c, id, &mut statics);
-    device_type_instance(cx.c, id, decl, &Rc::new(statics))
+    static_params::add_default_statics(cx.checker, id, &mut statics);
+    device_type_instance(cx.checker, id, decl, &Rc::new(statics))
 }
 
 /// Checks a device declaration on its own.

@@ -286,7 +286,7 @@ pub(crate) fn unify_generic_times(cx: &mut Body<'_, '_>, header: &Header, args: 
         }
         let alike = generic.iter().filter(|other| other.0 == *name);
         let alike: Vec<ExprId> = alike.map(|other| other.1).collect();
-        let exact = may_be_time(cx.c, header.decl, name)
+        let exact = may_be_time(cx.checker, header.decl, name)
             && alike
                 .iter()
                 .all(|id| is_time(cx, *id) || fixed_alternatives(cx, *id).is_some());

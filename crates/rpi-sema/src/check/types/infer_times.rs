@@ -43,7 +43,7 @@ pub(crate) fn infer_with_times(cx: &mut Body<'_, '_>) {
     for _ in 0..ROUNDS {
         let mark = type_inference::checkpoint(cx);
         type_inference::infer_types(cx);
-        if !cx.has_times || !fix_wrong_types(cx, &open, &mut settled) {
+        if !cx.times.are_used || !fix_wrong_types(cx, &open, &mut settled) {
             return;
         }
         type_inference::rollback(cx, mark);

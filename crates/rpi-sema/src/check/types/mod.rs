@@ -166,7 +166,7 @@ fn resolve_named_type<'a>(cx: &mut Body<'_, 'a>, named: &'a NamedType) -> Ty {
     if let Some(Static::Ty(ty)) = cx.statics.get(name) {
         return ty.clone();
     }
-    match cx.c.program.lookup_in(Space::Type, cx.module, name) {
+    match cx.checker.program.lookup_in(Space::Type, cx.module, name) {
         Lookup::Found(id) => resolve_declared_type(cx, id, named),
         Lookup::Missing => resolve_builtin_type(cx, named),
     }
@@ -177,8 +177,8 @@ pub(crate) fn type_by_plain_name(cx: &mut Body<'_, '_>, name: &Name, span: Span)
     if let Some(Static::Ty(ty)) = cx.statics.get(name) {
         return Some(ty.clone());
     }
-    if let Lookup::Found(id) = cx.c.program.lookup_in(Space::Type, cx.module, name)
-        && let DeclKind::Type(_) = cx.c.program.decl(id).kind
+    if let Lookup::Found(id) = cx.checker.program.lookup_in(Space::Type, cx.module, name)
+        && let DeclKind::Type(_) = cx.checker.program.decl(id).kind
     {
         return Some(data::type_instance_for(cx, id, &[], span));
     }
@@ -198,12 +198,12 @@ pub(crate) fn type_by_plain_name(cx: &mut Body<'_, '_>, name: &Name, span: Span)
 
 /// Whether no declaration and no static parameter has this name, so that it can only be a predeclared type.
 pub(crate) fn is_undeclared_type(cx: &Body<'_, '_>, name: &Name) -> bool {
-    let found = cx.c.program.lookup_in(Space::Type, cx.module, name);
+    let found = cx.checker.program.lookup_in(Space::Type, cx.module, name);
     !cx.statics.contains_key(name) && matches!(found, Lookup::Missing)
 }
 
 fn resolve_declared_type<'a>(cx: &mut Body<'_, 'a>, id: DeclId, named: &'a NamedType) -> Ty {
-    let decl = cx.c.program.decl(id);
+    let decl = cx.checker.program.decl(id);
     match decl.kind {
         DeclKind::Type(_) => data::type_instance_for(cx, id, &named.statics, named.name.span),
         DeclKind::Device(device) => device::resolve_device_type(cx, id, device, named),
@@ -289,7 +289,11 @@ fn history(cx: &mut Body<'_, '_>, named: &NamedType) {
     let Some(of) = of else {
         return undefined_names::report_undefined_type(cx, &named.name.name, named.name.span);
     };
-    let is_bound = cx.bound.iter().any(|bound| bound.name == of.name);
+    let is_bound = cx
+        .bindings
+        .bound_names
+        .iter()
+        .any(|bound| bound.name == of.name);
     if is_bound || cx.local_flow(&of.name).is_none() {
         let message = format!("`{}` has no history", of.name);
         let finding = Finding::new(Code::RPI2014, message)
@@ -310,10 +314,12 @@ pub(crate) fn similar_type(cx: &Body<'_, '_>, name: &str) -> Option<String> {
         "Vector", "Rotation", "Pose", "Twist", "Wrench", "Time", "time", "bool", "int", "real",
     ];
     let is_type = |id: DeclId| {
-        let kind = cx.c.program.decl(id).kind;
+        let kind = cx.checker.program.decl(id).kind;
         matches!(kind, DeclKind::Type(_) | DeclKind::Device(_))
     };
-    let declared = cx.c.suggest(name, cx.c.program.visible(cx.module, is_type));
+    let declared = cx
+        .checker
+        .suggest(name, cx.checker.program.visible(cx.module, is_type));
     declared.or_else(|| rpi_diag::suggest(name, builtin.into_iter()))
 }
 
@@ -349,8 +355,8 @@ pub(crate) fn parent_frame(cx: &mut Body<'_, '_>, frame: &Dotted) -> Option<Name
 }
 
 fn is_frame_name(cx: &Body<'_, '_>, name: &Name) -> bool {
-    match cx.c.program.lookup(cx.module, name) {
-        Lookup::Found(id) => matches!(cx.c.program.decl(id).kind, DeclKind::Frame(_)),
+    match cx.checker.program.lookup(cx.module, name) {
+        Lookup::Found(id) => matches!(cx.checker.program.decl(id).kind, DeclKind::Frame(_)),
         _ => false,
     }
 }
@@ -375,11 +381,11 @@ fn device_frames(cx: &Body<'_, '_>, device: &Name) -> Vec<Name> {
 
 fn checked_frame(cx: &mut Body<'_, '_>, known: bool, name: Name, span: Span) -> Option<Name> {
     if !known {
-        let program = cx.c.program;
+        let program = cx.checker.program;
         let is_frame = |id| matches!(program.decl(id).kind, DeclKind::Frame(_));
         let declared = program.visible(cx.module, is_frame);
         let free = cx.unit.free_frames.iter().map(Name::as_str);
-        let near = cx.c.suggest(&name, free.chain(declared));
+        let near = cx.checker.suggest(&name, free.chain(declared));
         let finding = Finding::new(Code::RPI1001, format!("undefined frame `{name}`"))
             .at(span, "not declared")
             .help("declare it by `frame`, name it in the signature, or use a frame of a device");

@@ -17,18 +17,18 @@ pub(crate) fn record_seconds(cx: &mut Body<'_, '_>, flow: FlowId, ty: &ast::Type
     if cx.unit.flow(flow).ty == crate::check::types::exact_time::SECONDS
         && unit::reads_rpi_syntax(cx)
     {
-        cx.seconds.push((flow, ty.span));
+        cx.times.declared_seconds.push((flow, ty.span));
     }
 }
 
 /// Warns about flows declared in seconds that add a time to their previous value.
 pub(crate) fn check_time_sums(cx: &mut Body<'_, '_>) {
-    if cx.seconds.is_empty() {
+    if cx.times.declared_seconds.is_empty() {
         return;
     }
-    let mut sums = Sums::of(&cx.unit, &cx.shares);
+    let mut sums = Sums::of(&cx.unit, &cx.shared.flow_of);
     let mut findings = Vec::new();
-    for (flow, declared) in &cx.seconds {
+    for (flow, declared) in &cx.times.declared_seconds {
         sums.left = EFFORT;
         let values = sums.defined.get(flow).cloned().unwrap_or_default();
         let found = values

@@ -54,9 +54,9 @@ pub(crate) fn type_instance(checker: &mut Checker<'_>, id: DeclId, statics: Rc<S
     }
     // In progress before it is resolved, so that a type that depends on itself is detected.
     checker.types.insert(key.clone(), Lazy::Busy);
-    checker.open.push(id);
+    checker.in_progress.push(id);
     let ty = nesting::check_nested(checker, |checker| type_def(checker, id, statics));
-    checker.open.pop();
+    checker.in_progress.pop();
     checker.types.insert(key, Lazy::Done(Some(ty.clone())));
     ty
 }
@@ -68,10 +68,10 @@ fn type_def(checker: &mut Checker<'_>, id: DeclId, statics: Rc<Statics>) -> Ty {
     let mut body = Body::around(checker, id);
     body.statics = statics;
     let ty = resolve_type_def(&mut body, def);
-    let is_temporal = body.state_at.is_some();
+    let is_temporal = body.first_state_span.is_some();
     body.leave();
     if is_temporal {
-        checker.temporal.insert(id);
+        checker.temporal_types.insert(id);
     }
     ty
 }
@@ -79,11 +79,11 @@ fn type_def(checker: &mut Checker<'_>, id: DeclId, statics: Rc<Statics>) -> Ty {
 /// Reports a dependency cycle of declarations.
 pub(crate) fn report_dependency_cycle(checker: &mut Checker<'_>, what: &str, id: DeclId) {
     let from = checker
-        .open
+        .in_progress
         .iter()
         .position(|open| *open == id)
         .unwrap_or(0);
-    let ring: Vec<_> = checker.open[from..]
+    let ring: Vec<_> = checker.in_progress[from..]
         .iter()
         .map(|id| checker.program.decl(*id))
         .collect();
@@ -137,7 +137,12 @@ fn resolve_type_def<'a>(cx: &mut Body<'_, 'a>, def: &'a TypeDef) -> Ty {
 /// Returns the name of a type with its static arguments.
 fn type_name(cx: &Body<'_, '_>, def: &TypeDef) -> Name {
     let params = crate::check::signatures::static_params::params(&def.statics);
-    crate::check::signatures::instance::display(cx.c.program, &def.name.name, &params, &cx.statics)
+    crate::check::signatures::instance::display(
+        cx.checker.program,
+        &def.name.name,
+        &params,
+        &cx.statics,
+    )
 }
 
 fn resolve_struct<'a>(

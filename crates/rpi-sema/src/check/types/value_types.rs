@@ -13,7 +13,7 @@ use rpi_syntax::ast::{Type, TypeKind};
 pub(crate) fn resolve_value_type<'a>(cx: &mut Body<'_, 'a>, ty: &'a Type) -> Ty {
     // Recognised by its name alone: the declaration of the device may need this very type.
     if let Some(device) = named_device(cx, ty) {
-        let declared = cx.c.program.decl(device);
+        let declared = cx.checker.program.decl(device);
         return device_as_value(cx, &declared.name, ty.span, declared.span);
     }
     match types::resolve_type(cx, ty) {
@@ -33,9 +33,9 @@ fn named_device(cx: &Body<'_, '_>, ty: &Type) -> Option<DeclId> {
         return None;
     };
     let name = &named.name.name;
-    match cx.c.program.lookup_in(Space::Type, cx.module, name) {
+    match cx.checker.program.lookup_in(Space::Type, cx.module, name) {
         Lookup::Found(id) if !cx.statics.contains_key(name) => {
-            let kind = cx.c.program.decl(id).kind;
+            let kind = cx.checker.program.decl(id).kind;
             matches!(kind, DeclKind::Device(_)).then_some(id)
         }
         _ => None,
