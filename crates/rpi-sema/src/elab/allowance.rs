@@ -45,48 +45,46 @@ impl Allowance {
     }
 }
 
-impl Elab<'_> {
-    /// Adds the text of a unit to the budget, the first time the unit is expanded.
-    pub(in crate::elab) fn pay_for(&mut self, id: UnitId) {
-        if self.allowance.paid.insert(id) {
-            self.allowance.left += PER_BYTE * length(&self.units[id.0 as usize]);
-        }
+/// Adds the text of a unit to the budget, the first time the unit is expanded.
+pub(in crate::elab) fn credit_text(elab: &mut Elab<'_>, id: UnitId) {
+    if elab.allowance.paid.insert(id) {
+        elab.allowance.left += PER_BYTE * length(&elab.units[id.0 as usize]);
     }
+}
 
-    /// Returns whether one more call can be expanded. Reports the first excess.
-    pub(in crate::elab) fn may_call(&mut self, span: Span) -> bool {
-        self.may_spend(1, span)
-    }
+/// Returns whether one more call can be expanded. Reports the first excess.
+pub(in crate::elab) fn charge_call(elab: &mut Elab<'_>, span: Span) -> bool {
+    charge(elab, 1, span)
+}
 
-    /// Returns whether one more node of this name can be added. Reports the first excess.
-    pub(in crate::elab) fn may_add(&mut self, name: &str, span: Span) -> bool {
-        self.may_spend(1 + name.len() / LETTERS, span)
-    }
+/// Returns whether one more node of this name can be added. Reports the first excess.
+pub(in crate::elab) fn charge_node(elab: &mut Elab<'_>, name: &str, span: Span) -> bool {
+    charge(elab, 1 + name.len() / LETTERS, span)
+}
 
-    /// Returns whether a value with this many leaves can be built. Reports the first excess.
-    pub(in crate::elab) fn may_hold(&mut self, leaves: usize, span: Span) -> bool {
-        self.may_spend(leaves / LEAVES, span)
-    }
+/// Returns whether a value with this many leaves can be built. Reports the first excess.
+pub(in crate::elab) fn charge_leaves(elab: &mut Elab<'_>, leaves: usize, span: Span) -> bool {
+    charge(elab, leaves / LEAVES, span)
+}
 
-    fn may_spend(&mut self, cost: usize, span: Span) -> bool {
-        let was_used_up = self.allowance.is_used_up;
-        let may = self.allowance.spend(cost);
-        if !may && !was_used_up {
-            self.too_much(span);
-        }
-        may
+fn charge(elab: &mut Elab<'_>, cost: usize, span: Span) -> bool {
+    let was_used_up = elab.allowance.is_used_up;
+    let may = elab.allowance.spend(cost);
+    if !may && !was_used_up {
+        report_too_large(elab, span);
     }
+    may
+}
 
-    fn too_much(&mut self, span: Span) {
-        let message = "program is too large after all calls are expanded";
-        if self.mode == crate::elab::Mode::Constant {
-            self.fail(NotConstant::Fault(span, message.to_owned()));
-            return;
-        }
-        let finding = Finding::new(Code::RPI1011, message).at(span, "the limit is exceeded here");
-        self.findings.push(finding.help("each call and each array element is a separate copy: name values that are used twice, or shorten arrays"));
-        self.fail(NotConstant::Faulty);
+fn report_too_large(elab: &mut Elab<'_>, span: Span) {
+    let message = "program is too large after all calls are expanded";
+    if elab.mode == crate::elab::Mode::Constant {
+        elab.fail(NotConstant::Fault(span, message.to_owned()));
+        return;
     }
+    let finding = Finding::new(Code::RPI1011, message).at(span, "the limit is exceeded here");
+    elab.findings.push(finding.help("each call and each array element is a separate copy: name values that are used twice, or shorten arrays"));
+    elab.fail(NotConstant::Faulty);
 }
 
 /// Returns the total length of a unit's equations in bytes.

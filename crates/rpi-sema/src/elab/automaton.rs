@@ -1,6 +1,17 @@
 //! Elaborates state machines: an integer register for the state, one fragment per state, and transitions as
 //! conditionals.
 
+use super::block;
+use super::call;
+use super::clocks;
+use super::each;
+use super::expr;
+use super::flows;
+use super::guarded;
+use super::landmarks;
+use super::leaving;
+use super::nodes;
+use super::pack;
 use crate::elab::expr::leaf_scalars;
 use crate::elab::families::Family;
 use crate::elab::scope::Scope;
@@ -27,298 +38,334 @@ struct Choice<'u, 's> {
     automaton: Span,
 }
 
-impl<'u> Elab<'u> {
-    /// Elaborates an automaton in the fragment at `at`.
-    pub(in crate::elab) fn automaton(
-        &mut self,
-        scope: &mut Scope<'u>,
-        automaton: &'u Automaton,
-        at: At,
-    ) {
-        self.begin(&format!("{}state", scope.prefix));
-        let span = automaton.span;
-        let (memory, next) = self.memory(automaton, at, span);
-        let current = self.strong(scope, automaton, &memory, at);
-        let mut chosen = stay(&current.state);
-        for (k, state) in automaton.states.iter().enumerate() {
-            let here = self.is_state(&current.state, k, at, span);
-            let afresh = self.starts_afresh((automaton, k), &here, [&memory, &current], at);
-            let fragment = self.state_fragment(scope, automaton, k, &here, &afresh, at);
-            scope.fragments[state.block.0 as usize] = Some(fragment);
-            if !state.until.is_empty() {
-                let inner = At::fragment(fragment);
-                let around = std::mem::replace(&mut scope.base, fragment);
-                let choice = Choice {
-                    transitions: &state.until,
-                    here: &here,
-                    automaton: span,
-                };
-                let weak = self.transitions(scope, choice, stay(&number(k)), inner);
-                scope.base = around;
-                chosen = self.pick(&here, weak, chosen, at, span);
-            }
-        }
-        self.bind_alias(next[0], &chosen.state);
-        self.bind_alias(next[1], &chosen.afresh);
-        for shared in &automaton.shared {
-            self.shared(scope, shared, (automaton, &current.state), at);
-        }
-    }
-
-    /// Returns the state and restart flag at the start of a cycle, and the aliases to bind to their values for the next
-    /// cycle.
-    fn memory(
-        &mut self,
-        automaton: &Automaton,
-        at: At,
-        span: Span,
-    ) -> (Next, [rpi_net::PortRef; 2]) {
-        let next = [Scalar::Int, Scalar::Bool].map(|scalar| self.new_alias(scalar));
-        let first = self.first(at.fragment, span);
-        let state = self.delay(Family::Pre, Scalar::Int, &Signal::Port(next[0]), at, span);
-        let afresh = self.delay(Family::Pre, Scalar::Bool, &Signal::Port(next[1]), at, span);
-        let initial = number(automaton.initial as usize);
-        let state = self.family(
-            Family::Conditional,
-            Scalar::Int,
-            &[first.clone(), initial, state],
-            at,
-            span,
-        );
-        let no = Signal::Const(Value::bool(false));
-        let afresh = self.family(
-            Family::Conditional,
-            Scalar::Bool,
-            &[first, no, afresh],
-            at,
-            span,
-        );
-        (Next { state, afresh }, next)
-    }
-
-    /// Returns the state of this cycle after the strong transitions, which act before the state runs.
-    fn strong(
-        &mut self,
-        scope: &mut Scope<'u>,
-        automaton: &'u Automaton,
-        memory: &Next,
-        at: At,
-    ) -> Next {
-        let span = automaton.span;
-        let mut current = memory.clone();
-        for (k, state) in automaton.states.iter().enumerate() {
-            if state.unless.is_empty() {
-                continue;
-            }
-            let here = self.is_state(&memory.state, k, at, span);
-            let inside = self.where_it_counts(scope, &state.unless, &here, at, span);
+/// Elaborates an automaton in the fragment at `at`.
+pub(in crate::elab) fn elab_automaton<'u>(
+    elab: &mut Elab<'u>,
+    scope: &mut Scope<'u>,
+    automaton: &'u Automaton,
+    at: At,
+) {
+    block::set_node_name(elab, &format!("{}state", scope.prefix));
+    let span = automaton.span;
+    let (memory, next) = state_registers(elab, automaton, at, span);
+    let current = strong_transitions(elab, scope, automaton, &memory, at);
+    let mut chosen = stay(&current.state);
+    for (k, state) in automaton.states.iter().enumerate() {
+        let here = is_state(elab, &current.state, k, at, span);
+        let afresh = restart_condition(elab, (automaton, k), &here, [&memory, &current], at);
+        let fragment = state_fragment(elab, scope, automaton, k, &here, &afresh, at);
+        scope.fragments[state.block.0 as usize] = Some(fragment);
+        if !state.until.is_empty() {
+            let inner = At::fragment(fragment);
+            let around = std::mem::replace(&mut scope.base, fragment);
             let choice = Choice {
-                transitions: &state.unless,
+                transitions: &state.until,
                 here: &here,
                 automaton: span,
             };
-            let strong = self.transitions(scope, choice, memory.clone(), inside);
-            current = self.pick(&here, strong, current, at, span);
-        }
-        current
-    }
-
-    /// Returns where the conditions of strong transitions are evaluated. A condition that can fault is guarded by its
-    /// state. Registers in the conditions still run in all cycles, because they belong to the surroundings.
-    fn where_it_counts(
-        &mut self,
-        scope: &Scope<'u>,
-        transitions: &[Transition],
-        here: &Signal,
-        at: At,
-        span: Span,
-    ) -> At {
-        let mut conditions = transitions.iter().filter_map(|one| one.condition);
-        match conditions.any(|one| self.can_fault(scope, one)) {
-            true => self.guarded_by(here.clone(), at, span),
-            false => at,
+            let weak = check_transitions(elab, scope, choice, stay(&number(k)), inner);
+            scope.base = around;
+            chosen = select_next(elab, &here, weak, chosen, at, span);
         }
     }
-
-    /// Returns the target of the first transition whose condition holds, or `otherwise`.
-    fn transitions(
-        &mut self,
-        scope: &mut Scope<'u>,
-        choice: Choice<'u, '_>,
-        otherwise: Next,
-        at: At,
-    ) -> Next {
-        let mut next = otherwise;
-        let mut exits = Vec::new();
-        for transition in choice.transitions.iter().rev() {
-            let target = Next {
-                state: number(transition.target as usize),
-                afresh: Signal::Const(Value::bool(!transition.resumes)),
-            };
-            let condition = match transition.condition {
-                None => Signal::Const(Value::bool(true)),
-                Some(condition) => self.one(scope, condition, at),
-            };
-            next = match transition.condition {
-                None => target,
-                Some(_) => self.pick(&condition, target, next, at, choice.automaton),
-            };
-            if self.tells_landmarks {
-                exits.push((condition, transition.span));
-            }
-        }
-        self.exits_here(choice.here, exits, choice.automaton, at);
-        next
+    call::bind_alias(elab, next[0], &chosen.state);
+    call::bind_alias(elab, next[1], &chosen.afresh);
+    for shared in &automaton.shared {
+        shared_flow(elab, scope, shared, (automaton, &current.state), at);
     }
+}
 
-    fn pick(&mut self, condition: &Signal, yes: Next, no: Next, at: At, span: Span) -> Next {
-        let state = [condition.clone(), yes.state, no.state];
-        let state = self.family(Family::Conditional, Scalar::Int, &state, at, span);
-        let known = [true, false].map(|value| Signal::Const(Value::bool(value)));
-        let afresh = match [yes.afresh, no.afresh] {
-            branches if branches == known => condition.clone(),
-            [yes, no] => {
-                let afresh = [condition.clone(), yes, no];
-                self.family(Family::Conditional, Scalar::Bool, &afresh, at, span)
-            }
+/// Returns the state and restart flag at the start of a cycle, and the aliases to bind to their values for the next
+/// cycle.
+fn state_registers(
+    elab: &mut Elab<'_>,
+    automaton: &Automaton,
+    at: At,
+    span: Span,
+) -> (Next, [rpi_net::PortRef; 2]) {
+    let next = [Scalar::Int, Scalar::Bool].map(|scalar| nodes::new_alias(elab, scalar));
+    let first = nodes::first_port(elab, at.fragment, span);
+    let state = each::delay(
+        elab,
+        Family::Pre,
+        Scalar::Int,
+        &Signal::Port(next[0]),
+        at,
+        span,
+    );
+    let afresh = each::delay(
+        elab,
+        Family::Pre,
+        Scalar::Bool,
+        &Signal::Port(next[1]),
+        at,
+        span,
+    );
+    let initial = number(automaton.initial as usize);
+    let state = nodes::add_family_member(
+        elab,
+        Family::Conditional,
+        Scalar::Int,
+        &[first.clone(), initial, state],
+        at,
+        span,
+    );
+    let no = Signal::Const(Value::bool(false));
+    let afresh = nodes::add_family_member(
+        elab,
+        Family::Conditional,
+        Scalar::Bool,
+        &[first, no, afresh],
+        at,
+        span,
+    );
+    (Next { state, afresh }, next)
+}
+
+/// Returns the state of this cycle after the strong transitions, which act before the state runs.
+fn strong_transitions<'u>(
+    elab: &mut Elab<'u>,
+    scope: &mut Scope<'u>,
+    automaton: &'u Automaton,
+    memory: &Next,
+    at: At,
+) -> Next {
+    let span = automaton.span;
+    let mut current = memory.clone();
+    for (k, state) in automaton.states.iter().enumerate() {
+        if state.unless.is_empty() {
+            continue;
+        }
+        let here = is_state(elab, &memory.state, k, at, span);
+        let inside = guard_conditions(elab, scope, &state.unless, &here, at, span);
+        let choice = Choice {
+            transitions: &state.unless,
+            here: &here,
+            automaton: span,
         };
-        Next { state, afresh }
+        let strong = check_transitions(elab, scope, choice, memory.clone(), inside);
+        current = select_next(elab, &here, strong, current, at, span);
     }
+    current
+}
 
-    /// Returns whether state `k` restarts if it runs in this cycle. It also restarts if it was entered with a restart
-    /// earlier and left by a strong transition before it ran (M14.6).
-    fn starts_afresh(
-        &mut self,
-        (automaton, k): (&Automaton, usize),
-        here: &Signal,
-        [memory, current]: [&Next; 2],
-        at: At,
-    ) -> Signal {
-        if !may_owe_a_start(automaton, k) {
-            return current.afresh.clone();
-        }
-        let span = automaton.span;
-        let and = prim!("Core::BooleanAnd");
-        let later = self.new_alias(Scalar::Bool);
-        let no = Signal::Const(Value::bool(false));
-        let owed = self.delay(Family::Pre, Scalar::Bool, &Signal::Port(later), at, span);
-        let first = self.first(at.fragment, span);
-        let owed = [first, no.clone(), owed];
-        let owed = self.family(Family::Conditional, Scalar::Bool, &owed, at, span);
-        let entered = self.is_state(&memory.state, k, at, span);
-        let entered = self.simple(and, &[entered, memory.afresh.clone()], at, span);
-        let owed = self.simple(prim!("Core::BooleanOr"), &[owed, entered], at, span);
-        let rest = [here.clone(), no, owed.clone()];
-        let rest = self.family(Family::Conditional, Scalar::Bool, &rest, at, span);
-        self.bind_alias(later, &rest);
-        let afresh = [owed, current.afresh.clone()];
-        self.simple(prim!("Core::BooleanOr"), &afresh, at, span)
+/// Returns where the conditions of strong transitions are evaluated. A condition that can fault is guarded by its
+/// state. Registers in the conditions still run in all cycles, because they belong to the surroundings.
+fn guard_conditions<'u>(
+    elab: &mut Elab<'u>,
+    scope: &Scope<'u>,
+    transitions: &[Transition],
+    here: &Signal,
+    at: At,
+    span: Span,
+) -> At {
+    let mut conditions = transitions.iter().filter_map(|one| one.condition);
+    match conditions.any(|one| guarded::elab_can_fault(elab, scope, one)) {
+        true => each::with_guard(elab, here.clone(), at, span),
+        false => at,
     }
+}
 
-    fn is_state(&mut self, state: &Signal, k: usize, at: At, span: Span) -> Signal {
-        self.simple(
-            prim!("Core::IntEquals"),
-            &[state.clone(), number(k)],
-            at,
-            span,
-        )
-    }
-
-    fn state_fragment(
-        &mut self,
-        scope: &Scope<'u>,
-        automaton: &Automaton,
-        k: usize,
-        here: &Signal,
-        afresh: &Signal,
-        at: At,
-    ) -> FragmentId {
-        let block = scope.unit.block(automaton.states[k].block);
-        let path = format!("{}{}", scope.prefix, block.name);
-        let activation = self.when(here, at, block.span);
-        let restart = self.port_of(afresh, Scalar::Bool, at, block.span);
-        let restart = restart.map_or(Restart::Never, Restart::Every);
-        self.fragment(&path, at.fragment, activation, restart, block.span)
-    }
-
-    /// Elaborates a flow defined by several states: the contribution of the active state, or the default.
-    fn shared(
-        &mut self,
-        scope: &mut Scope<'u>,
-        shared: &'u Shared,
-        (automaton, state): (&'u Automaton, &Signal),
-        at: At,
-    ) {
-        let flow = scope.unit.flow(shared.flow);
-        self.begin(&format!("{}{}", scope.prefix, flow.name));
-        let before = self.net.nodes.len();
-        let merged = match shared.default {
-            Some(default) => self.with_default(scope, shared, default, (automaton, state), at),
-            None => self.first_present(scope, shared, at, automaton.span),
+/// Returns the target of the first transition whose condition holds, or `otherwise`.
+fn check_transitions<'u>(
+    elab: &mut Elab<'u>,
+    scope: &mut Scope<'u>,
+    choice: Choice<'u, '_>,
+    otherwise: Next,
+    at: At,
+) -> Next {
+    let mut next = otherwise;
+    let mut exits = Vec::new();
+    for transition in choice.transitions.iter().rev() {
+        let target = Next {
+            state: number(transition.target as usize),
+            afresh: Signal::Const(Value::bool(!transition.resumes)),
         };
-        if self.mode == Mode::Steps {
-            let path = format!("{}{}", scope.prefix, flow.name);
-            self.name_leaves(&path, &flow.ty, &merged, before);
+        let condition = match transition.condition {
+            None => Signal::Const(Value::bool(true)),
+            Some(condition) => expr::elab_condition(elab, scope, condition, at),
+        };
+        next = match transition.condition {
+            None => target,
+            Some(_) => select_next(elab, &condition, target, next, at, choice.automaton),
+        };
+        if elab.tells_landmarks {
+            exits.push((condition, transition.span));
         }
-        self.define(scope, shared.flow, 0, &merged);
     }
+    landmarks::record_transitions(elab, choice.here, exits, choice.automaton, at);
+    next
+}
 
-    /// Returns the contribution of the active state. Contributions of inactive states are absent.
-    fn first_present(
-        &mut self,
-        scope: &mut Scope<'u>,
-        shared: &'u Shared,
-        at: At,
-        span: Span,
-    ) -> Wire {
-        let scalars = leaf_scalars(&scope.unit.flow(shared.flow).ty);
-        let mut merged: Option<Wire> = None;
-        for inner in &shared.states {
-            let place = scope.unit.flow(*inner).span;
-            let wire = self.read_flow(scope, (*inner, true), at, place);
-            let Some(so_far) = merged else {
-                merged = Some(wire);
-                continue;
-            };
-            let pairs = so_far.iter().zip(&*wire).zip(&scalars);
-            let both = pairs.map(|((a, b), scalar)| {
-                let inputs = [a.clone(), b.clone()];
-                self.family(Family::Coalesce, *scalar, &inputs, at, span)
-            });
-            merged = Some(both.collect());
+fn select_next(
+    elab: &mut Elab<'_>,
+    condition: &Signal,
+    yes: Next,
+    no: Next,
+    at: At,
+    span: Span,
+) -> Next {
+    let state = [condition.clone(), yes.state, no.state];
+    let state = nodes::add_family_member(elab, Family::Conditional, Scalar::Int, &state, at, span);
+    let known = [true, false].map(|value| Signal::Const(Value::bool(value)));
+    let afresh = match [yes.afresh, no.afresh] {
+        branches if branches == known => condition.clone(),
+        [yes, no] => {
+            let afresh = [condition.clone(), yes, no];
+            nodes::add_family_member(elab, Family::Conditional, Scalar::Bool, &afresh, at, span)
         }
-        merged.unwrap_or_else(crate::elab::signal::nothing)
-    }
+    };
+    Next { state, afresh }
+}
 
-    /// Returns the contribution of the active state if it defines the flow (it may still be absent), else the default.
-    fn with_default(
-        &mut self,
-        scope: &mut Scope<'u>,
-        shared: &'u Shared,
-        default: FlowId,
-        (automaton, state): (&'u Automaton, &Signal),
-        at: At,
-    ) -> Wire {
-        let span = scope.unit.flow(default).span;
-        let scalars = leaf_scalars(&scope.unit.flow(shared.flow).ty);
-        let chosen = self.read_flow(scope, (default, false), at, span);
-        let mut chosen = self.off_clock_absent(scope, default, &chosen, span);
-        for inner in &shared.states {
-            let (block, place) = (scope.unit.flow(*inner).block, scope.unit.flow(*inner).span);
-            let Some(k) = automaton.states.iter().position(|s| s.block == block) else {
-                continue;
-            };
-            let here = self.is_state(state, k, at, automaton.span);
-            let wire = self.read_flow(scope, (*inner, true), at, place);
-            let pairs = wire.iter().zip(&*chosen).zip(&scalars);
-            let either = pairs.map(|((own, other), scalar)| {
-                let inputs = [here.clone(), own.clone(), other.clone()];
-                self.family(Family::Conditional, *scalar, &inputs, at, automaton.span)
-            });
-            chosen = either.collect();
-        }
-        chosen
+/// Returns whether state `k` restarts if it runs in this cycle. It also restarts if it was entered with a restart
+/// earlier and left by a strong transition before it ran (M14.6).
+fn restart_condition(
+    elab: &mut Elab<'_>,
+    (automaton, k): (&Automaton, usize),
+    here: &Signal,
+    [memory, current]: [&Next; 2],
+    at: At,
+) -> Signal {
+    if !may_owe_a_start(automaton, k) {
+        return current.afresh.clone();
     }
+    let span = automaton.span;
+    let and = prim!("Core::BooleanAnd");
+    let later = nodes::new_alias(elab, Scalar::Bool);
+    let no = Signal::Const(Value::bool(false));
+    let owed = each::delay(
+        elab,
+        Family::Pre,
+        Scalar::Bool,
+        &Signal::Port(later),
+        at,
+        span,
+    );
+    let first = nodes::first_port(elab, at.fragment, span);
+    let owed = [first, no.clone(), owed];
+    let owed = nodes::add_family_member(elab, Family::Conditional, Scalar::Bool, &owed, at, span);
+    let entered = is_state(elab, &memory.state, k, at, span);
+    let entered = nodes::add_simple(elab, and, &[entered, memory.afresh.clone()], at, span);
+    let owed = nodes::add_simple(elab, prim!("Core::BooleanOr"), &[owed, entered], at, span);
+    let rest = [here.clone(), no, owed.clone()];
+    let rest = nodes::add_family_member(elab, Family::Conditional, Scalar::Bool, &rest, at, span);
+    call::bind_alias(elab, later, &rest);
+    let afresh = [owed, current.afresh.clone()];
+    nodes::add_simple(elab, prim!("Core::BooleanOr"), &afresh, at, span)
+}
+
+fn is_state(elab: &mut Elab<'_>, state: &Signal, k: usize, at: At, span: Span) -> Signal {
+    nodes::add_simple(
+        elab,
+        prim!("Core::IntEquals"),
+        &[state.clone(), number(k)],
+        at,
+        span,
+    )
+}
+
+fn state_fragment<'u>(
+    elab: &mut Elab<'u>,
+    scope: &Scope<'u>,
+    automaton: &Automaton,
+    k: usize,
+    here: &Signal,
+    afresh: &Signal,
+    at: At,
+) -> FragmentId {
+    let block = scope.unit.block(automaton.states[k].block);
+    let path = format!("{}{}", scope.prefix, block.name);
+    let activation = call::elab_activation(elab, here, at, block.span);
+    let restart = pack::port_of(elab, afresh, Scalar::Bool, at, block.span);
+    let restart = restart.map_or(Restart::Never, Restart::Every);
+    call::elab_fragment(elab, &path, at.fragment, activation, restart, block.span)
+}
+
+/// Elaborates a flow defined by several states: the contribution of the active state, or the default.
+fn shared_flow<'u>(
+    elab: &mut Elab<'u>,
+    scope: &mut Scope<'u>,
+    shared: &'u Shared,
+    (automaton, state): (&'u Automaton, &Signal),
+    at: At,
+) {
+    let flow = scope.unit.flow(shared.flow);
+    block::set_node_name(elab, &format!("{}{}", scope.prefix, flow.name));
+    let before = elab.net.nodes.len();
+    let merged = match shared.default {
+        Some(default) => with_default(elab, scope, shared, default, (automaton, state), at),
+        None => first_present(elab, scope, shared, at, automaton.span),
+    };
+    if elab.mode == Mode::Steps {
+        let path = format!("{}{}", scope.prefix, flow.name);
+        block::name_leaves(elab, &path, &flow.ty, &merged, before);
+    }
+    flows::define(elab, scope, shared.flow, 0, &merged);
+}
+
+/// Returns the contribution of the active state. Contributions of inactive states are absent.
+fn first_present<'u>(
+    elab: &mut Elab<'u>,
+    scope: &mut Scope<'u>,
+    shared: &'u Shared,
+    at: At,
+    span: Span,
+) -> Wire {
+    let scalars = leaf_scalars(&scope.unit.flow(shared.flow).ty);
+    let mut merged: Option<Wire> = None;
+    for inner in &shared.states {
+        let place = scope.unit.flow(*inner).span;
+        let wire = leaving::read_flow(elab, scope, (*inner, true), at, place);
+        let Some(so_far) = merged else {
+            merged = Some(wire);
+            continue;
+        };
+        let pairs = so_far.iter().zip(&*wire).zip(&scalars);
+        let both = pairs.map(|((a, b), scalar)| {
+            let inputs = [a.clone(), b.clone()];
+            nodes::add_family_member(elab, Family::Coalesce, *scalar, &inputs, at, span)
+        });
+        merged = Some(both.collect());
+    }
+    merged.unwrap_or_else(crate::elab::signal::nothing)
+}
+
+/// Returns the contribution of the active state if it defines the flow (it may still be absent), else the default.
+fn with_default<'u>(
+    elab: &mut Elab<'u>,
+    scope: &mut Scope<'u>,
+    shared: &'u Shared,
+    default: FlowId,
+    (automaton, state): (&'u Automaton, &Signal),
+    at: At,
+) -> Wire {
+    let span = scope.unit.flow(default).span;
+    let scalars = leaf_scalars(&scope.unit.flow(shared.flow).ty);
+    let chosen = leaving::read_flow(elab, scope, (default, false), at, span);
+    let mut chosen = clocks::off_clock_absent(elab, scope, default, &chosen, span);
+    for inner in &shared.states {
+        let (block, place) = (scope.unit.flow(*inner).block, scope.unit.flow(*inner).span);
+        let Some(k) = automaton.states.iter().position(|s| s.block == block) else {
+            continue;
+        };
+        let here = is_state(elab, state, k, at, automaton.span);
+        let wire = leaving::read_flow(elab, scope, (*inner, true), at, place);
+        let pairs = wire.iter().zip(&*chosen).zip(&scalars);
+        let either = pairs.map(|((own, other), scalar)| {
+            let inputs = [here.clone(), own.clone(), other.clone()];
+            nodes::add_family_member(
+                elab,
+                Family::Conditional,
+                *scalar,
+                &inputs,
+                at,
+                automaton.span,
+            )
+        });
+        chosen = either.collect();
+    }
+    chosen
 }
 
 fn number(k: usize) -> Signal {

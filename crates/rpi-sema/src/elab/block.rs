@@ -1,5 +1,16 @@
 //! Elaborates bodies: equations, claims, automata and blocks in place.
 
+use super::automaton;
+use super::call;
+use super::claims;
+use super::clocks;
+use super::device;
+use super::each;
+use super::expr;
+use super::flows;
+use super::leaving;
+use super::nodes;
+use super::subrange;
 use crate::elab::expr::leaf_scalars;
 use crate::elab::scope::Scope;
 use crate::elab::signal::{Signal, Wire, alias_of};
@@ -16,191 +27,211 @@ fn stays(unit: &Unit, equation: &Equation) -> bool {
     })
 }
 
-impl<'u> Elab<'u> {
-    /// Elaborates all blocks of a unit. A block comes after its parent.
-    pub(in crate::elab) fn body(&mut self, scope: &mut Scope<'u>, at: At) {
-        scope.fragments[0] = Some(at.fragment);
-        for block in (0..scope.unit.blocks.len())
-            .filter_map(|k| u32::try_from(k).ok())
-            .map(BlockId)
-        {
-            let at = match block {
-                BlockId::ROOT => at,
-                _ if scope.unit.block(block).is_contract => {
-                    let Some(at) = self.in_contract(scope, block, at) else {
-                        continue;
-                    };
-                    at
-                }
-                _ => At::fragment(self.fragment_in_place(scope, block)),
-            };
-            self.content(scope, block, at);
-        }
-        self.bind_outside(scope);
-        self.find_gates(scope);
-    }
-
-    /// Returns where a contract is elaborated: in the fragment of its parent block. None if claims are switched off.
-    fn in_contract(&self, scope: &mut Scope<'u>, block: BlockId, at: At) -> Option<At> {
-        let parent = scope.unit.block(block).parent.unwrap_or(BlockId::ROOT);
-        let fragment = scope.fragment(parent)?;
-        scope.fragments[block.0 as usize] = Some(fragment);
-        let place = match parent {
+/// Elaborates all blocks of a unit. A block comes after its parent.
+pub(in crate::elab) fn body<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>, at: At) {
+    scope.fragments[0] = Some(at.fragment);
+    for block in (0..scope.unit.blocks.len())
+        .filter_map(|k| u32::try_from(k).ok())
+        .map(BlockId)
+    {
+        let at = match block {
             BlockId::ROOT => at,
-            _ => At::fragment(fragment),
-        };
-        (self.claims != Claims::Off).then_some(place)
-    }
-
-    fn fragment_in_place(&mut self, scope: &mut Scope<'u>, block: BlockId) -> rpi_net::FragmentId {
-        if let Some(fragment) = scope.fragment(block) {
-            return fragment;
-        }
-        let content = scope.unit.block(block);
-        let parent = content.parent.and_then(|parent| scope.fragment(parent));
-        let outer = At::fragment(parent.unwrap_or(net::FragmentId::ROOT));
-        let path = format!("{}{}", scope.prefix, content.name);
-        self.begin(&path);
-        let activation = match content.when {
-            Some(when) => {
-                let around = std::mem::replace(&mut scope.base, outer.fragment);
-                let condition = self.one(scope, when, outer);
-                scope.base = around;
-                self.when(&condition, outer, content.span)
+            _ if scope.unit.block(block).is_contract => {
+                let Some(at) = contract_position(elab, scope, block, at) else {
+                    continue;
+                };
+                at
             }
-            None => net::Activation::Always,
+            _ => At::fragment(block_fragment(elab, scope, block)),
         };
-        let restart = if content.restart {
-            Restart::OnActivation
-        } else {
-            Restart::Never
-        };
-        let fragment = self.fragment(&path, outer.fragment, activation, restart, content.span);
-        self.net.fragments[fragment.0 as usize].budget_ns = content.budget_ns;
-        scope.fragments[block.0 as usize] = Some(fragment);
-        self.in_place.insert(fragment);
-        fragment
+        elab_block_content(elab, scope, block, at);
     }
+    clocks::bind_outside_flows(elab, scope);
+    leaving::assign_pending_gates(elab, scope);
+}
 
-    fn content(&mut self, scope: &mut Scope<'u>, block: BlockId, at: At) {
-        let unit = scope.unit;
-        let content = unit.block(block);
-        let around = std::mem::replace(&mut scope.base, at.fragment);
-        for equation in &content.equations {
-            self.equation(scope, equation, at);
-        }
-        for claim in &content.claims {
-            self.claim(scope, block, claim, at);
-        }
-        for automaton in &content.automata {
-            self.automaton(scope, automaton, at);
-        }
-        scope.base = around;
+/// Returns where a contract is elaborated: in the fragment of its parent block. None if claims are switched off.
+fn contract_position<'u>(
+    elab: &Elab<'u>,
+    scope: &mut Scope<'u>,
+    block: BlockId,
+    at: At,
+) -> Option<At> {
+    let parent = scope.unit.block(block).parent.unwrap_or(BlockId::ROOT);
+    let fragment = scope.fragment(parent)?;
+    scope.fragments[block.0 as usize] = Some(fragment);
+    let place = match parent {
+        BlockId::ROOT => at,
+        _ => At::fragment(fragment),
+    };
+    (elab.claims != Claims::Off).then_some(place)
+}
+
+fn block_fragment<'u>(
+    elab: &mut Elab<'u>,
+    scope: &mut Scope<'u>,
+    block: BlockId,
+) -> rpi_net::FragmentId {
+    if let Some(fragment) = scope.fragment(block) {
+        return fragment;
     }
-
-    /// Sets the flow after which the following nodes are named.
-    pub(in crate::elab) fn begin(&mut self, name: &str) {
-        name.clone_into(&mut self.name);
-        self.serial = 0;
-        self.top = None;
-    }
-
-    fn equation(&mut self, scope: &mut Scope<'u>, equation: &'u Equation, at: At) {
-        self.begin(&scope.prefix);
-        push_target_name(&mut self.name, scope.unit, equation);
-        self.top = Some(equation.value);
-        let before = self.net.nodes.len();
-        let taken = equation.targets.iter().map(|t| t.ty.leaf_count());
-        let taken = taken.sum::<usize>().max(1);
-        let wire = self.wide(scope, equation.value, taken, at);
-        let wire = self.taken(scope, equation, wire);
-        let mut wire = self.targets_in_subranges(scope, equation, wire, at);
-        if self.mode == Mode::Steps || self.mode == Mode::Net && stays(scope.unit, equation) {
-            wire = self.steps(&wire, scope.unit.expr(equation.value), at);
+    let content = scope.unit.block(block);
+    let parent = content.parent.and_then(|parent| scope.fragment(parent));
+    let outer = At::fragment(parent.unwrap_or(net::FragmentId::ROOT));
+    let path = format!("{}{}", scope.prefix, content.name);
+    set_node_name(elab, &path);
+    let activation = match content.when {
+        Some(when) => {
+            let around = std::mem::replace(&mut scope.base, outer.fragment);
+            let condition = expr::elab_condition(elab, scope, when, outer);
+            scope.base = around;
+            call::elab_activation(elab, &condition, outer, content.span)
         }
-        let path = std::mem::take(&mut self.name);
-        self.name_results(&path, equation, &wire, before);
-        self.name = path;
-        self.define_all(scope, equation, &wire);
-        let mut first = 0;
-        for target in &equation.targets {
-            let count = target.ty.leaf_count();
-            if let Place::Port { device, port } = target.place {
-                let part = crate::elab::expr::part(&wire, first, count);
-                self.write(scope, device, port, target, &part, at);
+        None => net::Activation::Always,
+    };
+    let restart = if content.restart {
+        Restart::OnActivation
+    } else {
+        Restart::Never
+    };
+    let fragment = call::elab_fragment(
+        elab,
+        &path,
+        outer.fragment,
+        activation,
+        restart,
+        content.span,
+    );
+    elab.net.fragments[fragment.0 as usize].budget_ns = content.budget_ns;
+    scope.fragments[block.0 as usize] = Some(fragment);
+    elab.in_place.insert(fragment);
+    fragment
+}
+
+fn elab_block_content<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>, block: BlockId, at: At) {
+    let unit = scope.unit;
+    let content = unit.block(block);
+    let around = std::mem::replace(&mut scope.base, at.fragment);
+    for equation in &content.equations {
+        elab_equation(elab, scope, equation, at);
+    }
+    for claim in &content.claims {
+        claims::elab_claim(elab, scope, block, claim, at);
+    }
+    for automaton in &content.automata {
+        automaton::elab_automaton(elab, scope, automaton, at);
+    }
+    scope.base = around;
+}
+
+/// Sets the flow after which the following nodes are named.
+pub(in crate::elab) fn set_node_name(elab: &mut Elab<'_>, name: &str) {
+    name.clone_into(&mut elab.name);
+    elab.serial = 0;
+    elab.top = None;
+}
+
+fn elab_equation<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>, equation: &'u Equation, at: At) {
+    set_node_name(elab, &scope.prefix);
+    push_target_name(&mut elab.name, scope.unit, equation);
+    elab.top = Some(equation.value);
+    let before = elab.net.nodes.len();
+    let taken = equation.targets.iter().map(|t| t.ty.leaf_count());
+    let taken = taken.sum::<usize>().max(1);
+    let wire = each::expr_leaves(elab, scope, equation.value, taken, at);
+    let wire = clocks::value_for_targets(elab, scope, equation, wire);
+    let mut wire = subrange::check_targets(elab, scope, equation, wire, at);
+    if elab.mode == Mode::Steps || elab.mode == Mode::Net && stays(scope.unit, equation) {
+        wire = insert_copies(elab, &wire, scope.unit.expr(equation.value), at);
+    }
+    let path = std::mem::take(&mut elab.name);
+    name_results(elab, &path, equation, &wire, before);
+    elab.name = path;
+    flows::define_all(elab, scope, equation, &wire);
+    let mut first = 0;
+    for target in &equation.targets {
+        let count = target.ty.leaf_count();
+        if let Place::Port { device, port } = target.place {
+            let part = crate::elab::expr::part(&wire, first, count);
+            device::write(elab, scope, device, port, target, &part, at);
+        }
+        first += count;
+    }
+}
+
+/// Inserts a node for each leaf that the equation only copies from another flow.
+fn insert_copies(elab: &mut Elab<'_>, wire: &Wire, value: &Expr, at: At) -> Wire {
+    let leaves = leaf_scalars(&value.ty).into_iter().zip(&**wire);
+    leaves
+        .map(|(scalar, signal)| match signal {
+            Signal::Port(port) if is_of_another_flow(elab, *port) => {
+                nodes::add_copy(elab, *port, scalar, at.fragment, value.span)
             }
-            first += count;
+            other => other.clone(),
+        })
+        .collect()
+}
+
+fn is_of_another_flow(elab: &Elab<'_>, port: PortRef) -> bool {
+    alias_of(port).is_some() || elab.net.node(port.node).origin.flow.is_some()
+}
+
+/// Names the nodes that compute the leaves of an equation's target after the target.
+fn name_results(elab: &mut Elab<'_>, path: &str, equation: &Equation, wire: &Wire, before: usize) {
+    if let [Target { ty, .. }] = &equation.targets[..]
+        && ty.leaf_count() == wire.len()
+    {
+        name_leaves(elab, path, ty, wire, before);
+    }
+    if let ([_], Some(node)) = (&equation.targets[..], whole_node(elab, wire))
+        && node.index() >= before
+    {
+        let node = &mut elab.net.nodes[node.index()];
+        path.clone_into(&mut node.name);
+        node.origin.flow.get_or_insert_with(|| path.to_owned());
+    }
+}
+
+/// Names the nodes with index `before` or greater that compute the leaves of a wire after these leaves.
+pub(in crate::elab) fn name_leaves(
+    elab: &mut Elab<'_>,
+    path: &str,
+    ty: &Ty,
+    wire: &Wire,
+    before: usize,
+) {
+    let mut leaves = wire.iter();
+    ty.leaves(&mut |suffix, _| {
+        if let Some(Signal::Port(port)) = leaves.next() {
+            name_result(elab, *port, path, suffix, before);
         }
-    }
+    });
+}
 
-    /// Inserts a node for each leaf that the equation only copies from another flow.
-    fn steps(&mut self, wire: &Wire, value: &Expr, at: At) -> Wire {
-        let leaves = leaf_scalars(&value.ty).into_iter().zip(&**wire);
-        leaves
-            .map(|(scalar, signal)| match signal {
-                Signal::Port(port) if self.is_of_another_flow(*port) => {
-                    self.passing_on(*port, scalar, at.fragment, value.span)
-                }
-                other => other.clone(),
-            })
-            .collect()
+/// Names the node of a leaf, if its index is `before` or greater and it has no name yet.
+fn name_result(elab: &mut Elab<'_>, port: PortRef, path: &str, suffix: &str, before: usize) {
+    if alias_of(port).is_some() || port.node.index() < before {
+        return;
     }
-
-    fn is_of_another_flow(&self, port: PortRef) -> bool {
-        alias_of(port).is_some() || self.net.node(port.node).origin.flow.is_some()
+    let node = &mut elab.net.nodes[port.node.index()];
+    if node.origin.flow.is_none() && node.outputs.len() == 1 {
+        path.clone_into(&mut node.name);
+        node.name.push_str(suffix);
+        node.origin.flow = Some(node.name.clone());
     }
+}
 
-    /// Names the nodes that compute the leaves of an equation's target after the target.
-    fn name_results(&mut self, path: &str, equation: &Equation, wire: &Wire, before: usize) {
-        if let [Target { ty, .. }] = &equation.targets[..]
-            && ty.leaf_count() == wire.len()
-        {
-            self.name_leaves(path, ty, wire, before);
+/// Returns the node whose outputs are exactly the wire, in order. For a wire without leaves, the last node if it
+/// has no outputs.
+fn whole_node(elab: &Elab<'_>, wire: &Wire) -> Option<rpi_net::NodeId> {
+    let node = match wire.first() {
+        None => elab.net.node_ids().next_back()?,
+        Some(Signal::Port(port) | Signal::Element(port, _)) if alias_of(*port).is_none() => {
+            port.node
         }
-        if let ([_], Some(node)) = (&equation.targets[..], self.whole_node(wire))
-            && node.index() >= before
-        {
-            let node = &mut self.net.nodes[node.index()];
-            path.clone_into(&mut node.name);
-            node.origin.flow.get_or_insert_with(|| path.to_owned());
-        }
-    }
-
-    /// Names the nodes with index `before` or greater that compute the leaves of a wire after these leaves.
-    pub(in crate::elab) fn name_leaves(&mut self, path: &str, ty: &Ty, wire: &Wire, before: usize) {
-        let mut leaves = wire.iter();
-        ty.leaves(&mut |suffix, _| {
-            if let Some(Signal::Port(port)) = leaves.next() {
-                self.name_result(*port, path, suffix, before);
-            }
-        });
-    }
-
-    /// Names the node of a leaf, if its index is `before` or greater and it has no name yet.
-    fn name_result(&mut self, port: PortRef, path: &str, suffix: &str, before: usize) {
-        if alias_of(port).is_some() || port.node.index() < before {
-            return;
-        }
-        let node = &mut self.net.nodes[port.node.index()];
-        if node.origin.flow.is_none() && node.outputs.len() == 1 {
-            path.clone_into(&mut node.name);
-            node.name.push_str(suffix);
-            node.origin.flow = Some(node.name.clone());
-        }
-    }
-
-    /// Returns the node whose outputs are exactly the wire, in order. For a wire without leaves, the last node if it
-    /// has no outputs.
-    fn whole_node(&self, wire: &Wire) -> Option<rpi_net::NodeId> {
-        let node = match wire.first() {
-            None => self.net.node_ids().next_back()?,
-            Some(Signal::Port(port) | Signal::Element(port, _)) if alias_of(*port).is_none() => {
-                port.node
-            }
-            _ => return None,
-        };
-        (self.out_wire(node) == *wire).then_some(node)
-    }
+        _ => return None,
+    };
+    (nodes::out_wire(elab, node) == *wire).then_some(node)
 }
 
 /// Appends the name of the first target that has one, or `_`.

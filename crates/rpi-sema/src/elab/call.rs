@@ -1,5 +1,18 @@
 //! Elaborates calls by inlining the callee at the place of the call.
 
+use super::allowance;
+use super::block;
+use super::clocks;
+use super::each;
+use super::entering;
+use super::expr;
+use super::flows;
+use super::guarded;
+use super::landmarks;
+use super::leaving;
+use super::nodes;
+use super::pack;
+use super::subrange;
 use crate::elab::expr::leaf_scalars;
 use crate::elab::families::Family;
 use crate::elab::scope::{Scope, State};
@@ -27,396 +40,421 @@ pub(in crate::elab) struct Arg {
     span: Span,
 }
 
-impl<'u> Elab<'u> {
-    /// Elaborates a call expression according to its activation.
-    pub(in crate::elab) fn call(
-        &mut self,
-        scope: &mut Scope<'u>,
-        call: &'u Call,
-        id: ExprId,
-        at: At,
-    ) -> Wire {
-        let span = scope.unit.expr(id).span;
-        let args = self.arguments(scope, call, id, at);
-        let path = self.path(id);
-        match &call.activation {
-            Activation::Always => self.results_of(scope, call, (id, &args), at, path),
-            Activation::Restart { every } => {
-                let every = self.operand(scope, [id, *every], at.unguarded());
-                let Some(every) = self.port_of(&every, Scalar::Bool, at, span) else {
-                    return crate::elab::signal::nothing();
-                };
-                let activation = net::Activation::Always;
-                let inner =
-                    self.fragment(&path, at.fragment, activation, Restart::Every(every), span);
-                self.results_of(scope, call, (id, &args), At::fragment(inner), path)
-            }
-            Activation::Condact {
-                every,
-                default,
-                restart,
-            } => {
-                let every = self.operand(scope, [id, *every], at.unguarded());
-                let restart = restart.map(|restart| [id, restart]);
-                let inner = self.activated(scope, &every, restart, &path, at, span);
-                self.keeps_results = !scope.unit.is_lustre;
-                let result = self.results_of(scope, call, (id, &args), At::fragment(inner), path);
-                let result = self.leaving(&result, inner, at.fragment);
-                let default =
-                    default.map(|one| self.operand_wire(scope, [id, one], at.unguarded()));
-                let callee = &self.units[call.unit.0 as usize];
-                let run = Run {
-                    every,
-                    result,
-                    default,
-                    optional: callee.optional_leaves().collect(),
-                };
-                self.held(&run, id, scope, at)
-            }
-        }
-    }
-
-    fn arguments(
-        &mut self,
-        scope: &mut Scope<'u>,
-        call: &'u Call,
-        id: ExprId,
-        at: At,
-    ) -> Vec<Option<Arg>> {
-        let callee = &self.units[call.unit.0 as usize];
-        let given = match self.is_guarded(call) {
-            true => at,
-            // A callee with state runs in all cycles, whichever branch of an `if` is chosen, so its arguments are not
-            // guarded.
-            false => at.unguarded(),
-        };
-        let mut args = Vec::with_capacity(call.args.len());
-        for (port, arg) in callee.inputs.iter().zip(&call.args) {
-            let count = callee.flow(*port).ty.leaf_count();
-            let is_sampled = callee.flow(*port).clock.is_some();
-            args.push(arg.map(|arg| Arg {
-                wire: match is_sampled {
-                    true => self.wide(scope, arg, count, given),
-                    false => self.argument(scope, [id, arg], count, given),
-                },
-                span: scope.unit.expr(arg).span,
-            }));
-        }
-        args
-    }
-
-    /// Inlines a call at `at` and binds the deciders that it exposes.
-    fn results_of(
-        &mut self,
-        scope: &mut Scope<'u>,
-        call: &'u Call,
-        (id, args): (ExprId, &[Option<Arg>]),
-        at: At,
-        path: String,
-    ) -> Wire {
-        let span = scope.unit.expr(id).span;
-        let wire = self.inlined(call.unit, args, at, path, span);
-        let exposed = std::mem::take(&mut self.exposed);
-        self.bind_inside(scope, id, exposed);
-        wire
-    }
-
-    /// Returns an argument of a call. Its leaves are absent where the clock of the call ticks and their own does not.
-    fn argument(
-        &mut self,
-        scope: &mut Scope<'u>,
-        [id, arg]: [ExprId; 2],
-        count: usize,
-        at: At,
-    ) -> Wire {
-        let wire = self.operand_wire(scope, [id, arg], at);
-        match (&wire[..], count) {
-            ([Signal::Absent], n) if n != 1 => (0..n).map(|_| Signal::Absent).collect(),
-            _ => wire,
-        }
-    }
-
-    /// Returns the path for the nodes of an expression: the name of the flow if the expression is the flow's whole
-    /// value, else a numbered name.
-    fn path(&mut self, id: ExprId) -> String {
-        if self.top == Some(id) {
-            return self.name.clone();
-        }
-        self.serial += 1;
-        format!("{}#{}", self.name, self.serial - 1)
-    }
-
-    fn activated(
-        &mut self,
-        scope: &mut Scope<'u>,
-        every: &Signal,
-        restart: Option<[ExprId; 2]>,
-        path: &str,
-        at: At,
-        span: Span,
-    ) -> FragmentId {
-        let at = at.unguarded();
-        let restart = restart.map(|pair| self.operand(scope, pair, at));
-        let restart = restart.and_then(|signal| self.port_of(&signal, Scalar::Bool, at, span));
-        let restart = restart.map_or(Restart::Never, Restart::Every);
-        let activation = self.when(every, at, span);
-        self.fragment(path, at.fragment, activation, restart, span)
-    }
-
-    /// Returns the activation by a condition; `Always` for the constant `true`.
-    pub(in crate::elab) fn when(
-        &mut self,
-        condition: &Signal,
-        at: At,
-        span: Span,
-    ) -> net::Activation {
-        if *condition == Signal::Const(Value::bool(true)) {
-            return net::Activation::Always;
-        }
-        match self.port_of(condition, Scalar::Bool, at, span) {
-            Some(condition) => net::Activation::When {
-                condition,
-                absent: Absent::Inactive,
-            },
-            None => net::Activation::Always,
-        }
-    }
-
-    /// Adds a fragment to the net.
-    pub(in crate::elab) fn fragment(
-        &mut self,
-        path: &str,
-        parent: FragmentId,
-        activation: net::Activation,
-        restart: Restart,
-        span: Span,
-    ) -> FragmentId {
-        self.net.add_fragment(Fragment {
-            name: path.to_owned(),
-            parent: Some(parent),
-            activation,
-            restart,
-            is_clock: false,
-            inputs: Vec::new(),
-            outputs: Vec::new(),
-            budget_ns: None,
-            origin: Origin {
-                span,
-                flow: Some(path.to_owned()),
-            },
-        })
-    }
-
-    /// Returns the results of a call that does not run in all cycles: those of this cycle, or those of its last run.
-    fn held(&mut self, run: &Run, id: ExprId, scope: &Scope<'u>, at: At) -> Wire {
-        let span = scope.unit.expr(id).span;
-        let scalars = leaf_scalars(&scope.unit.expr(id).ty);
-        let leaves = scalars.into_iter().take(run.result.len()).enumerate();
-        let leaves: Vec<Signal> = leaves
-            .map(|(k, scalar)| self.held_leaf(run, k, scalar, at, span))
-            .collect();
-        leaves.into()
-    }
-
-    fn held_leaf(&mut self, run: &Run, k: usize, scalar: Scalar, at: At, span: Span) -> Signal {
-        let signal = run.result[k].clone();
-        let default = run.default.as_ref().and_then(|wire| wire.get(k)).cloned();
-        let is_optional = run.optional.get(k).copied().unwrap_or_default();
-        if let (Some(default @ Signal::Const(_)), false) = (&default, is_optional) {
-            return self.family(Family::Hold, scalar, &[signal, default.clone()], at, span);
-        }
-        let result = self.new_alias(scalar);
-        let alias = Signal::Port(result);
-        let pre = match default.is_none() || is_optional {
-            true => Family::OptionalPre,
-            false => Family::Pre,
-        };
-        let before = self.delay(pre, scalar, &alias, at, span);
-        let before = match default {
-            None => before,
-            Some(default) => {
-                let first = self.first(at.fragment, span);
-                let inputs = [first, default, before];
-                self.family(Family::Conditional, scalar, &inputs, at, span)
-            }
-        };
-        let held = match is_optional {
-            // A run whose result is absent is remembered as absent, too.
-            true => {
-                let inputs = [run.every.clone(), signal, before];
-                self.family(Family::Conditional, scalar, &inputs, at, span)
-            }
-            false => self.family(Family::Coalesce, scalar, &[signal, before], at, span),
-        };
-        self.bind_alias(result, &held);
-        held
-    }
-
-    /// Inlines a unit with its inputs connected and returns its outputs.
-    pub(in crate::elab) fn inlined(
-        &mut self,
-        id: UnitId,
-        args: &[Option<Arg>],
-        at: At,
-        path: String,
-        span: Span,
-    ) -> Wire {
-        let unit = &self.units[id.0 as usize];
-        if self.calling.len() >= MAX_DEPTH {
-            return self.too_deep(id, span);
-        }
-        self.pay_for(id);
-        if !self.may_call(span) {
-            return crate::elab::signal::nothing();
-        }
-        self.calling.push(id);
-        let outer = (std::mem::take(&mut self.name), self.serial, self.top);
-        let entered = std::mem::replace(&mut self.entered, at.guard);
-        let result = self.inlined_here(unit, id, args, at, path, span);
-        (self.name, self.serial, self.top) = outer;
-        self.entered = entered;
-        self.calling.pop();
-        result
-    }
-
-    fn inlined_here(
-        &mut self,
-        unit: &'u Unit,
-        id: UnitId,
-        args: &[Option<Arg>],
-        at: At,
-        path: String,
-        span: Span,
-    ) -> Wire {
-        if self.mode == Mode::Constant && unit.kind == UnitKind::Node {
-            // A node runs cycle by cycle; only functions can be evaluated at compile time.
-            return self.fail(NotConstant::Flow(span));
-        }
-        let keeps_results = std::mem::take(&mut self.keeps_results);
-        self.called_here(unit);
-        let mut scope = Scope::new(unit, id);
-        scope.called = Some(span);
-        let in_fragment = unit.kind == UnitKind::Fragment && self.mode != Mode::Constant;
-        scope.prefix = if in_fragment || path.is_empty() {
-            String::new()
-        } else {
-            format!("{path}.")
-        };
-        self.name.clone_from(&path);
-        let at = match self.is_stateless(id) {
-            true => at,
-            false => at.unguarded(),
-        };
-        scope.base = at.fragment;
-        self.connect(&mut scope, args, at);
-        let inner = match in_fragment {
-            true => At::fragment(self.fragment_of_unit(&mut scope, &path, at, span)),
-            false => at,
-        };
-        if in_fragment {
-            self.ports_enter(&mut scope, inner.fragment);
-        }
-        let around = std::mem::replace(&mut scope.base, inner.fragment);
-        let spans: Vec<Option<Span>> = args.iter().map(|arg| Some(arg.as_ref()?.span)).collect();
-        self.inputs_in_subranges(&mut scope, &spans, inner);
-        scope.base = around;
-        if self.mode != Mode::Constant {
-            self.body(&mut scope, inner);
-        }
-        let is_lifted = keeps_results || crate::clocks::may_be_inactive(unit);
-        let around = std::mem::replace(&mut scope.base, inner.fragment);
-        let leaves = self.outputs_of(&mut scope, is_lifted, span);
-        scope.base = around;
-        self.exposed = match self.mode {
-            Mode::Constant => Vec::new(),
-            _ => self.expose(&mut scope, id, span),
-        };
-        self.leaving(&leaves, inner.fragment, at.fragment)
-    }
-
-    /// Returns the leaves of a unit's outputs. If `is_lifted`, they are made readable in all cycles of the unit.
-    fn outputs_of(&mut self, scope: &mut Scope<'u>, is_lifted: bool, span: Span) -> Wire {
-        let mut leaves = Vec::new();
-        for output in &scope.unit.outputs {
-            let mut wire = self.flow(scope, *output, span);
-            if is_lifted {
-                wire = self.off_clock_absent(scope, *output, &wire, span);
-            }
-            leaves.extend(wire.iter().cloned());
-        }
-        leaves.into()
-    }
-
-    fn fragment_of_unit(
-        &mut self,
-        scope: &mut Scope<'u>,
-        path: &str,
-        at: At,
-        span: Span,
-    ) -> FragmentId {
-        let root = scope.unit.block(BlockId::ROOT);
-        let activation = match root.when {
-            Some(when) => {
-                let condition = self.one(scope, when, at);
-                self.when(&condition, at, span)
-            }
-            None => net::Activation::Always,
-        };
-        let restart = if root.restart {
-            Restart::OnActivation
-        } else {
-            Restart::Never
-        };
-        let fragment = self.fragment(path, at.fragment, activation, restart, span);
-        let made = &mut self.net.fragments[fragment.0 as usize];
-        made.budget_ns = root.budget_ns;
-        // The output flow has that path itself, so the fragment gets the unit's name.
-        made.origin.flow = Some(scope.unit.name.to_string());
-        fragment
-    }
-
-    /// Connects a unit's inputs to the arguments of the caller, or to their defaults.
-    pub(in crate::elab) fn connect(&mut self, scope: &mut Scope<'u>, args: &[Option<Arg>], at: At) {
-        let unit = scope.unit;
-        for (flow, arg) in unit.inputs.iter().zip(args) {
-            let wire = match (arg, unit.flow(*flow).default) {
-                (Some(arg), _) => arg.wire.clone(),
-                (None, Some(default)) => self.expr(scope, default, at),
-                (None, None) => continue,
+/// Elaborates a call expression according to its activation.
+pub(in crate::elab) fn elab_call<'u>(
+    elab: &mut Elab<'u>,
+    scope: &mut Scope<'u>,
+    call: &'u Call,
+    id: ExprId,
+    at: At,
+) -> Wire {
+    let span = scope.unit.expr(id).span;
+    let args = arguments(elab, scope, call, id, at);
+    let path = elab_path(elab, id);
+    match &call.activation {
+        Activation::Always => results_of(elab, scope, call, (id, &args), at, path),
+        Activation::Restart { every } => {
+            let every = expr::elab_operand(elab, scope, [id, *every], at.unguarded());
+            let Some(every) = pack::port_of(elab, &every, Scalar::Bool, at, span) else {
+                return crate::elab::signal::nothing();
             };
-            *scope.state(*flow) = State::Known(wire);
+            let activation = net::Activation::Always;
+            let inner = elab_fragment(
+                elab,
+                &path,
+                at.fragment,
+                activation,
+                Restart::Every(every),
+                span,
+            );
+            results_of(elab, scope, call, (id, &args), At::fragment(inner), path)
+        }
+        Activation::Condact {
+            every,
+            default,
+            restart,
+        } => {
+            let every = expr::elab_operand(elab, scope, [id, *every], at.unguarded());
+            let restart = restart.map(|restart| [id, restart]);
+            let inner = condact_fragment(elab, scope, &every, restart, &path, at, span);
+            elab.keeps_results = !scope.unit.is_lustre;
+            let result = results_of(elab, scope, call, (id, &args), At::fragment(inner), path);
+            let result = leaving::gate_wire(elab, &result, inner, at.fragment);
+            let default =
+                default.map(|one| clocks::operand_wire(elab, scope, [id, one], at.unguarded()));
+            let callee = &elab.units[call.unit.0 as usize];
+            let run = Run {
+                every,
+                result,
+                default,
+                optional: callee.optional_leaves().collect(),
+            };
+            hold_results(elab, &run, id, scope, at)
         }
     }
+}
 
-    /// Reports calls that are nested too deeply: infinite recursion of one instance, or a long chain of calls.
-    fn too_deep(&mut self, id: UnitId, span: Span) -> Wire {
-        let unit = &self.units[id.0 as usize];
-        let message = match self.calling.contains(&id) {
-            true => format!("`{}` is infinitely recursive", unit.name),
-            false => format!("calls are nested more than {MAX_DEPTH} deep"),
+fn arguments<'u>(
+    elab: &mut Elab<'u>,
+    scope: &mut Scope<'u>,
+    call: &'u Call,
+    id: ExprId,
+    at: At,
+) -> Vec<Option<Arg>> {
+    let callee = &elab.units[call.unit.0 as usize];
+    let given = match guarded::is_guarded(elab, call) {
+        true => at,
+        // A callee with state runs in all cycles, whichever branch of an `if` is chosen, so its arguments are not
+        // guarded.
+        false => at.unguarded(),
+    };
+    let mut args = Vec::with_capacity(call.args.len());
+    for (port, arg) in callee.inputs.iter().zip(&call.args) {
+        let count = callee.flow(*port).ty.leaf_count();
+        let is_sampled = callee.flow(*port).clock.is_some();
+        args.push(arg.map(|arg| Arg {
+            wire: match is_sampled {
+                true => each::expr_leaves(elab, scope, arg, count, given),
+                false => argument(elab, scope, [id, arg], count, given),
+            },
+            span: scope.unit.expr(arg).span,
+        }));
+    }
+    args
+}
+
+/// Inlines a call at `at` and binds the deciders that it exposes.
+fn results_of<'u>(
+    elab: &mut Elab<'u>,
+    scope: &mut Scope<'u>,
+    call: &'u Call,
+    (id, args): (ExprId, &[Option<Arg>]),
+    at: At,
+    path: String,
+) -> Wire {
+    let span = scope.unit.expr(id).span;
+    let wire = inline_unit(elab, call.unit, args, at, path, span);
+    let exposed = std::mem::take(&mut elab.exposed);
+    clocks::bind_exposed(elab, scope, id, exposed);
+    wire
+}
+
+/// Returns an argument of a call. Its leaves are absent where the clock of the call ticks and their own does not.
+fn argument<'u>(
+    elab: &mut Elab<'u>,
+    scope: &mut Scope<'u>,
+    [id, arg]: [ExprId; 2],
+    count: usize,
+    at: At,
+) -> Wire {
+    let wire = clocks::operand_wire(elab, scope, [id, arg], at);
+    match (&wire[..], count) {
+        ([Signal::Absent], n) if n != 1 => (0..n).map(|_| Signal::Absent).collect(),
+        _ => wire,
+    }
+}
+
+/// Returns the path for the nodes of an expression: the name of the flow if the expression is the flow's whole
+/// value, else a numbered name.
+fn elab_path(elab: &mut Elab<'_>, id: ExprId) -> String {
+    if elab.top == Some(id) {
+        return elab.name.clone();
+    }
+    elab.serial += 1;
+    format!("{}#{}", elab.name, elab.serial - 1)
+}
+
+fn condact_fragment<'u>(
+    elab: &mut Elab<'u>,
+    scope: &mut Scope<'u>,
+    every: &Signal,
+    restart: Option<[ExprId; 2]>,
+    path: &str,
+    at: At,
+    span: Span,
+) -> FragmentId {
+    let at = at.unguarded();
+    let restart = restart.map(|pair| expr::elab_operand(elab, scope, pair, at));
+    let restart = restart.and_then(|signal| pack::port_of(elab, &signal, Scalar::Bool, at, span));
+    let restart = restart.map_or(Restart::Never, Restart::Every);
+    let activation = elab_activation(elab, every, at, span);
+    elab_fragment(elab, path, at.fragment, activation, restart, span)
+}
+
+/// Returns the activation by a condition; `Always` for the constant `true`.
+pub(in crate::elab) fn elab_activation(
+    elab: &mut Elab<'_>,
+    condition: &Signal,
+    at: At,
+    span: Span,
+) -> net::Activation {
+    if *condition == Signal::Const(Value::bool(true)) {
+        return net::Activation::Always;
+    }
+    match pack::port_of(elab, condition, Scalar::Bool, at, span) {
+        Some(condition) => net::Activation::When {
+            condition,
+            absent: Absent::Inactive,
+        },
+        None => net::Activation::Always,
+    }
+}
+
+/// Adds a fragment to the net.
+pub(in crate::elab) fn elab_fragment(
+    elab: &mut Elab<'_>,
+    path: &str,
+    parent: FragmentId,
+    activation: net::Activation,
+    restart: Restart,
+    span: Span,
+) -> FragmentId {
+    elab.net.add_fragment(Fragment {
+        name: path.to_owned(),
+        parent: Some(parent),
+        activation,
+        restart,
+        is_clock: false,
+        inputs: Vec::new(),
+        outputs: Vec::new(),
+        budget_ns: None,
+        origin: Origin {
+            span,
+            flow: Some(path.to_owned()),
+        },
+    })
+}
+
+/// Returns the results of a call that does not run in all cycles: those of this cycle, or those of its last run.
+fn hold_results<'u>(elab: &mut Elab<'u>, run: &Run, id: ExprId, scope: &Scope<'u>, at: At) -> Wire {
+    let span = scope.unit.expr(id).span;
+    let scalars = leaf_scalars(&scope.unit.expr(id).ty);
+    let leaves = scalars.into_iter().take(run.result.len()).enumerate();
+    let leaves: Vec<Signal> = leaves
+        .map(|(k, scalar)| hold_leaf(elab, run, k, scalar, at, span))
+        .collect();
+    leaves.into()
+}
+
+fn hold_leaf(
+    elab: &mut Elab<'_>,
+    run: &Run,
+    k: usize,
+    scalar: Scalar,
+    at: At,
+    span: Span,
+) -> Signal {
+    let signal = run.result[k].clone();
+    let default = run.default.as_ref().and_then(|wire| wire.get(k)).cloned();
+    let is_optional = run.optional.get(k).copied().unwrap_or_default();
+    if let (Some(default @ Signal::Const(_)), false) = (&default, is_optional) {
+        return nodes::add_family_member(
+            elab,
+            Family::Hold,
+            scalar,
+            &[signal, default.clone()],
+            at,
+            span,
+        );
+    }
+    let result = nodes::new_alias(elab, scalar);
+    let alias = Signal::Port(result);
+    let pre = match default.is_none() || is_optional {
+        true => Family::OptionalPre,
+        false => Family::Pre,
+    };
+    let before = each::delay(elab, pre, scalar, &alias, at, span);
+    let before = match default {
+        None => before,
+        Some(default) => {
+            let first = nodes::first_port(elab, at.fragment, span);
+            let inputs = [first, default, before];
+            nodes::add_family_member(elab, Family::Conditional, scalar, &inputs, at, span)
+        }
+    };
+    let held = match is_optional {
+        // A run whose result is absent is remembered as absent, too.
+        true => {
+            let inputs = [run.every.clone(), signal, before];
+            nodes::add_family_member(elab, Family::Conditional, scalar, &inputs, at, span)
+        }
+        false => {
+            nodes::add_family_member(elab, Family::Coalesce, scalar, &[signal, before], at, span)
+        }
+    };
+    bind_alias(elab, result, &held);
+    held
+}
+
+/// Inlines a unit with its inputs connected and returns its outputs.
+pub(in crate::elab) fn inline_unit(
+    elab: &mut Elab<'_>,
+    id: UnitId,
+    args: &[Option<Arg>],
+    at: At,
+    path: String,
+    span: Span,
+) -> Wire {
+    let unit = &elab.units[id.0 as usize];
+    if elab.calling.len() >= MAX_DEPTH {
+        return report_too_deep(elab, id, span);
+    }
+    allowance::credit_text(elab, id);
+    if !allowance::charge_call(elab, span) {
+        return crate::elab::signal::nothing();
+    }
+    elab.calling.push(id);
+    let outer = (std::mem::take(&mut elab.name), elab.serial, elab.top);
+    let entered = std::mem::replace(&mut elab.entered, at.guard);
+    let result = inline_body(elab, unit, id, args, at, path, span);
+    (elab.name, elab.serial, elab.top) = outer;
+    elab.entered = entered;
+    elab.calling.pop();
+    result
+}
+
+fn inline_body<'u>(
+    elab: &mut Elab<'u>,
+    unit: &'u Unit,
+    id: UnitId,
+    args: &[Option<Arg>],
+    at: At,
+    path: String,
+    span: Span,
+) -> Wire {
+    if elab.mode == Mode::Constant && unit.kind == UnitKind::Node {
+        // A node runs cycle by cycle; only functions can be evaluated at compile time.
+        return elab.fail(NotConstant::Flow(span));
+    }
+    let keeps_results = std::mem::take(&mut elab.keeps_results);
+    landmarks::record_call(elab, unit);
+    let mut scope = Scope::new(unit, id);
+    scope.called = Some(span);
+    let in_fragment = unit.kind == UnitKind::Fragment && elab.mode != Mode::Constant;
+    scope.prefix = if in_fragment || path.is_empty() {
+        String::new()
+    } else {
+        format!("{path}.")
+    };
+    elab.name.clone_from(&path);
+    let at = match guarded::is_stateless_expr(elab, id) {
+        true => at,
+        false => at.unguarded(),
+    };
+    scope.base = at.fragment;
+    connect(elab, &mut scope, args, at);
+    let inner = match in_fragment {
+        true => At::fragment(fragment_of_unit(elab, &mut scope, &path, at, span)),
+        false => at,
+    };
+    if in_fragment {
+        entering::add_input_entries(elab, &mut scope, inner.fragment);
+    }
+    let around = std::mem::replace(&mut scope.base, inner.fragment);
+    let spans: Vec<Option<Span>> = args.iter().map(|arg| Some(arg.as_ref()?.span)).collect();
+    subrange::check_inputs(elab, &mut scope, &spans, inner);
+    scope.base = around;
+    if elab.mode != Mode::Constant {
+        block::body(elab, &mut scope, inner);
+    }
+    let is_lifted = keeps_results || crate::clocks::may_be_inactive(unit);
+    let around = std::mem::replace(&mut scope.base, inner.fragment);
+    let leaves = outputs_of(elab, &mut scope, is_lifted, span);
+    scope.base = around;
+    elab.exposed = match elab.mode {
+        Mode::Constant => Vec::new(),
+        _ => clocks::exposed_deciders(elab, &mut scope, id, span),
+    };
+    leaving::gate_wire(elab, &leaves, inner.fragment, at.fragment)
+}
+
+/// Returns the leaves of a unit's outputs. If `is_lifted`, they are made readable in all cycles of the unit.
+fn outputs_of<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>, is_lifted: bool, span: Span) -> Wire {
+    let mut leaves = Vec::new();
+    for output in &scope.unit.outputs {
+        let mut wire = flows::elab_flow(elab, scope, *output, span);
+        if is_lifted {
+            wire = clocks::off_clock_absent(elab, scope, *output, &wire, span);
+        }
+        leaves.extend(wire.iter().cloned());
+    }
+    leaves.into()
+}
+
+fn fragment_of_unit<'u>(
+    elab: &mut Elab<'u>,
+    scope: &mut Scope<'u>,
+    path: &str,
+    at: At,
+    span: Span,
+) -> FragmentId {
+    let root = scope.unit.block(BlockId::ROOT);
+    let activation = match root.when {
+        Some(when) => {
+            let condition = expr::elab_condition(elab, scope, when, at);
+            elab_activation(elab, &condition, at, span)
+        }
+        None => net::Activation::Always,
+    };
+    let restart = if root.restart {
+        Restart::OnActivation
+    } else {
+        Restart::Never
+    };
+    let fragment = elab_fragment(elab, path, at.fragment, activation, restart, span);
+    let made = &mut elab.net.fragments[fragment.0 as usize];
+    made.budget_ns = root.budget_ns;
+    // The output flow has that path itself, so the fragment gets the unit's name.
+    made.origin.flow = Some(scope.unit.name.to_string());
+    fragment
+}
+
+/// Connects a unit's inputs to the arguments of the caller, or to their defaults.
+pub(in crate::elab) fn connect<'u>(
+    elab: &mut Elab<'u>,
+    scope: &mut Scope<'u>,
+    args: &[Option<Arg>],
+    at: At,
+) {
+    let unit = scope.unit;
+    for (flow, arg) in unit.inputs.iter().zip(args) {
+        let wire = match (arg, unit.flow(*flow).default) {
+            (Some(arg), _) => arg.wire.clone(),
+            (None, Some(default)) => expr::elab_expr(elab, scope, default, at),
+            (None, None) => continue,
         };
-        let finding = Finding::new(Code::RPI1011, message)
-            .at(span, format!("`{}` is called here", unit.name))
-            .also(unit.span, "declared here")
-            .help("end a recursion over static parameters with `with`");
-        self.refuse(finding, span)
+        *scope.state(*flow) = State::Known(wire);
     }
+}
 
-    /// Reports an error that prevents the net or constant. Only the first one is kept.
-    pub(in crate::elab) fn refuse(&mut self, finding: Finding, span: Span) -> Wire {
-        if self.mode == Mode::Constant {
-            return self.fail(NotConstant::Fault(span, finding.message));
-        }
-        if self.failure.is_none() {
-            self.findings.push(finding);
-        }
-        self.fail(NotConstant::Faulty)
+/// Reports calls that are nested too deeply: infinite recursion of one instance, or a long chain of calls.
+fn report_too_deep(elab: &mut Elab<'_>, id: UnitId, span: Span) -> Wire {
+    let unit = &elab.units[id.0 as usize];
+    let message = match elab.calling.contains(&id) {
+        true => format!("`{}` is infinitely recursive", unit.name),
+        false => format!("calls are nested more than {MAX_DEPTH} deep"),
+    };
+    let finding = Finding::new(Code::RPI1011, message)
+        .at(span, format!("`{}` is called here", unit.name))
+        .also(unit.span, "declared here")
+        .help("end a recursion over static parameters with `with`");
+    report_failure(elab, finding, span)
+}
+
+/// Reports an error that prevents the net or constant. Only the first one is kept.
+pub(in crate::elab) fn report_failure(elab: &mut Elab<'_>, finding: Finding, span: Span) -> Wire {
+    if elab.mode == Mode::Constant {
+        return elab.fail(NotConstant::Fault(span, finding.message));
     }
+    if elab.failure.is_none() {
+        elab.findings.push(finding);
+    }
+    elab.fail(NotConstant::Faulty)
+}
 
-    /// Binds an alias to its signal, unless it is bound already.
-    pub(in crate::elab) fn bind_alias(&mut self, port: PortRef, signal: &Signal) {
-        if let Some(alias) = crate::elab::signal::alias_of(port) {
-            self.aliases[alias].get_or_insert_with(|| signal.clone());
-        }
+/// Binds an alias to its signal, unless it is bound already.
+pub(in crate::elab) fn bind_alias(elab: &mut Elab<'_>, port: PortRef, signal: &Signal) {
+    if let Some(alias) = crate::elab::signal::alias_of(port) {
+        elab.aliases[alias].get_or_insert_with(|| signal.clone());
     }
 }

@@ -3,6 +3,10 @@
 //! A claim is left out, or ends the command if it fails, or is exported together with the flows that it reads, so that
 //! the host sees which claim fails and with which values.
 
+use super::block;
+use super::expr;
+use super::flows;
+use super::root;
 use crate::elab::scope::Scope;
 use crate::elab::signal::{Signal, nothing};
 use crate::elab::{At, Elab, Mode};
@@ -39,124 +43,127 @@ impl Claims {
     }
 }
 
-impl<'u> Elab<'u> {
-    /// Elaborates a claim of a body or contract.
-    pub(in crate::elab) fn claim(
-        &mut self,
-        scope: &mut Scope<'u>,
-        block: BlockId,
-        claim: &'u Claim,
-        at: At,
-    ) {
-        let of_test = scope.unit.kind == UnitKind::Test;
-        let policy = match self.mode {
-            Mode::Constant => Claims::Fault,
-            _ if of_test => Claims::Report,
-            _ => self.claims,
-        };
-        self.has_claims = true;
-        if policy == Claims::Off {
-            return;
-        }
-        let label = claim.label.as_ref().map_or("claim", |label| label.as_str());
-        self.begin(&format!("{}{label}", scope.prefix));
-        let condition = self.one(scope, claim.condition, at);
-        // In a fragment or a test, a claim that is always false may state that the code is never reached.
-        let everywhere = at == At::ROOT && !of_test;
-        if self.mode == Mode::Net && everywhere && condition == Signal::Const(Value::bool(false)) {
-            self.findings.extend(self.never_holds(scope, claim));
-        }
-        if policy.is_fault() {
-            self.assert(check(scope, claim), &condition, at, claim.span);
-        }
-        if policy.is_reported() {
-            self.publish(scope, (block, claim), &condition, at);
-        }
+/// Elaborates a claim of a body or contract.
+pub(in crate::elab) fn elab_claim<'u>(
+    elab: &mut Elab<'u>,
+    scope: &mut Scope<'u>,
+    block: BlockId,
+    claim: &'u Claim,
+    at: At,
+) {
+    let of_test = scope.unit.kind == UnitKind::Test;
+    let policy = match elab.mode {
+        Mode::Constant => Claims::Fault,
+        _ if of_test => Claims::Report,
+        _ => elab.claims,
+    };
+    elab.has_claims = true;
+    if policy == Claims::Off {
+        return;
     }
+    let label = claim.label.as_ref().map_or("claim", |label| label.as_str());
+    block::set_node_name(elab, &format!("{}{label}", scope.prefix));
+    let condition = expr::elab_condition(elab, scope, claim.condition, at);
+    // In a fragment or a test, a claim that is always false may state that the code is never reached.
+    let everywhere = at == At::ROOT && !of_test;
+    if elab.mode == Mode::Net && everywhere && condition == Signal::Const(Value::bool(false)) {
+        elab.findings.extend(always_false_error(elab, scope, claim));
+    }
+    if policy.is_fault() {
+        expr::assert(elab, check(scope, claim), &condition, at, claim.span);
+    }
+    if policy.is_reported() {
+        export_claim(elab, scope, (block, claim), &condition, at);
+    }
+}
 
-    /// Exports whether a claim holds, and the flows that it reads.
-    fn publish(
-        &mut self,
-        scope: &mut Scope<'u>,
-        (block, claim): (BlockId, &'u Claim),
-        condition: &Signal,
-        at: At,
-    ) {
-        let fragment = fragment_around(scope, block);
-        let key = claim_key(self.net.claims.len() + 1);
-        let condition = self.where_chosen(condition, at, claim.span);
-        let port = self.export_port(&key, &condition, &Ty::Bool, at, claim.span);
-        self.watched.extend(port);
-        let mut parts = Vec::new();
-        parts_of(scope, claim.condition, &mut parts);
-        let reads = parts
-            .iter()
-            .flat_map(|part| self.published(scope, part, &key))
-            .collect();
-        self.net.claims.push(net::Claim {
-            key,
-            kind: claim.kind,
-            path: format!("{}{fragment}", scope.prefix)
-                .trim_end_matches('.')
-                .to_owned(),
-            of: match fragment.as_str() {
-                "" => scope.unit.name.to_string(),
-                name => name.to_owned(),
+/// Exports whether a claim holds, and the flows that it reads.
+fn export_claim<'u>(
+    elab: &mut Elab<'u>,
+    scope: &mut Scope<'u>,
+    (block, claim): (BlockId, &'u Claim),
+    condition: &Signal,
+    at: At,
+) {
+    let fragment = fragment_around(scope, block);
+    let key = claim_key(elab.net.claims.len() + 1);
+    let condition = expr::imply_guard(elab, condition, at, claim.span);
+    let port = root::export_port(elab, &key, &condition, &Ty::Bool, at, claim.span);
+    elab.watched.extend(port);
+    let mut parts = Vec::new();
+    parts_of(scope, claim.condition, &mut parts);
+    let reads = parts
+        .iter()
+        .flat_map(|part| export_part(elab, scope, part, &key))
+        .collect();
+    elab.net.claims.push(net::Claim {
+        key,
+        kind: claim.kind,
+        path: format!("{}{fragment}", scope.prefix)
+            .trim_end_matches('.')
+            .to_owned(),
+        of: match fragment.as_str() {
+            "" => scope.unit.name.to_string(),
+            name => name.to_owned(),
+        },
+        mode: claim.mode.as_ref().map(ToString::to_string),
+        label: claim.label.as_ref().map(ToString::to_string),
+        span: claim.span,
+        looks_back: looks_back(scope, claim.condition),
+        is_strict: !scope.unit.is_lustre,
+        reads,
+    });
+}
+
+/// Returns an error for a claim that is false in every cycle, by itself or because of the arguments of this call.
+fn always_false_error(elab: &Elab<'_>, scope: &Scope<'_>, claim: &Claim) -> Option<Finding> {
+    let of_its_own = || crate::elab::constant(elab.units, scope.unit, claim.condition).is_ok();
+    match (scope.called.filter(|_| !of_its_own()), claim.kind) {
+        (None, _) => Some(never(claim)),
+        (Some(call), ClaimKind::Assume) => Some(broken_by(call, claim, &scope.unit.name)),
+        // A guarantee only has to hold where the assumptions hold.
+        (Some(_), ClaimKind::Guarantee) => None,
+        (Some(call), _) => Some(never(claim).also(call, "false for this call")),
+    }
+}
+
+/// Exports the leaves of one part that a claim reads.
+fn export_part<'u>(
+    elab: &mut Elab<'u>,
+    scope: &mut Scope<'u>,
+    part: &Part,
+    claim: &str,
+) -> Vec<ClaimRead> {
+    let expr = scope.unit.expr(part.expr);
+    let wire = match part.flow {
+        Some(flow) => flows::elab_flow(elab, scope, flow, expr.span),
+        // The expression has been elaborated with the claim.
+        None => scope.recall(part.expr, None).unwrap_or_else(nothing),
+    };
+    let mut leaves: Vec<(String, Ty)> = Vec::new();
+    let ty = part.flow.map_or(&expr.ty, |flow| &scope.unit.flow(flow).ty);
+    ty.leaves(&mut |path, ty| leaves.push((format!("{}{path}", part.name), ty.clone())));
+    let leaves = leaves.into_iter().zip(wire.iter()).skip(part.first);
+    let mut reads = Vec::new();
+    for ((name, ty), signal) in leaves.take(part.count) {
+        let key = read_key(claim, &name);
+        let port = root::export_port(elab, &key, signal, &ty, At::ROOT, expr.span);
+        let ty = crate::check::outside_type(&ty).0;
+        elab.watched.extend(port);
+        reads.push(ClaimRead {
+            values: match &ty {
+                Ty::Enum(e) => e.values.iter().map(ToString::to_string).collect(),
+                _ => Vec::new(),
             },
-            mode: claim.mode.as_ref().map(ToString::to_string),
-            label: claim.label.as_ref().map(ToString::to_string),
-            span: claim.span,
-            looks_back: looks_back(scope, claim.condition),
-            is_strict: !scope.unit.is_lustre,
-            reads,
+            unit: match &ty {
+                Ty::Real(dim) if !dim.is_plain() => format!("[{dim}]"),
+                _ => String::new(),
+            },
+            name,
+            key,
         });
     }
-
-    /// Returns an error for a claim that is false in every cycle, by itself or because of the arguments of this call.
-    fn never_holds(&self, scope: &Scope<'_>, claim: &Claim) -> Option<Finding> {
-        let of_its_own = || crate::elab::constant(self.units, scope.unit, claim.condition).is_ok();
-        match (scope.called.filter(|_| !of_its_own()), claim.kind) {
-            (None, _) => Some(never(claim)),
-            (Some(call), ClaimKind::Assume) => Some(broken_by(call, claim, &scope.unit.name)),
-            // A guarantee only has to hold where the assumptions hold.
-            (Some(_), ClaimKind::Guarantee) => None,
-            (Some(call), _) => Some(never(claim).also(call, "false for this call")),
-        }
-    }
-
-    /// Exports the leaves of one part that a claim reads.
-    fn published(&mut self, scope: &mut Scope<'u>, part: &Part, claim: &str) -> Vec<ClaimRead> {
-        let expr = scope.unit.expr(part.expr);
-        let wire = match part.flow {
-            Some(flow) => self.flow(scope, flow, expr.span),
-            // The expression has been elaborated with the claim.
-            None => scope.recall(part.expr, None).unwrap_or_else(nothing),
-        };
-        let mut leaves: Vec<(String, Ty)> = Vec::new();
-        let ty = part.flow.map_or(&expr.ty, |flow| &scope.unit.flow(flow).ty);
-        ty.leaves(&mut |path, ty| leaves.push((format!("{}{path}", part.name), ty.clone())));
-        let leaves = leaves.into_iter().zip(wire.iter()).skip(part.first);
-        let mut reads = Vec::new();
-        for ((name, ty), signal) in leaves.take(part.count) {
-            let key = read_key(claim, &name);
-            let port = self.export_port(&key, signal, &ty, At::ROOT, expr.span);
-            let ty = crate::check::outside_type(&ty).0;
-            self.watched.extend(port);
-            reads.push(ClaimRead {
-                values: match &ty {
-                    Ty::Enum(e) => e.values.iter().map(ToString::to_string).collect(),
-                    _ => Vec::new(),
-                },
-                unit: match &ty {
-                    Ty::Real(dim) if !dim.is_plain() => format!("[{dim}]"),
-                    _ => String::new(),
-                },
-                name,
-                key,
-            });
-        }
-        reads
-    }
+    reads
 }
 
 /// Returns the primitive that ends the command if the claim fails. Assertions and the assumptions of the program as a

@@ -1,5 +1,10 @@
 //! Elaborates reads and writes of device ports.
 
+use super::each;
+use super::expr;
+use super::flows;
+use super::nodes;
+use super::subrange;
 use crate::elab::expr::leaf_scalars;
 use crate::elab::families::{Family, member};
 use crate::elab::scope::Scope;
@@ -12,146 +17,148 @@ use rpi_image::{Scalar, Type, Value};
 use rpi_net::{Alternatives, FragmentId, Inputs, PortRef};
 use rpi_prims::PrimId;
 
-impl<'u> Elab<'u> {
-    /// Elaborates a read of a sensor or status port. Each port is read once, at the start of the cycle, independently
-    /// of activations.
-    pub(in crate::elab) fn sensor(
-        &mut self,
-        scope: &mut Scope<'u>,
-        device: ExprId,
-        port: u32,
-        at: At,
-        span: Span,
-    ) -> Wire {
-        if self.mode == Mode::Constant {
-            return self.fail(NotConstant::Flow(span));
-        }
-        let unit = scope.unit;
-        let Ty::Device(ty) = &unit.expr(device).ty else {
-            return nothing();
-        };
-        let name = self.expr(scope, device, at);
-        let name = name.first().cloned().unwrap_or(Signal::Absent);
-        let (Some(name), Some(port)) = (self.device_name(&name), ty.ports.get(port as usize))
-        else {
-            return nothing();
-        };
-        let family = if port.optional {
-            Family::Sample
-        } else {
-            Family::Read
-        };
-        let scalars = port.ty.as_ref().map(leaf_scalars).unwrap_or_default();
-        let count = scalars.len();
-        let known = self.sensors.len();
-        let mut leaves = Vec::with_capacity(count);
-        for (k, scalar) in (0..).zip(scalars) {
-            let key = (name.clone(), port.name.to_string(), k);
-            leaves.push(match self.sensors.get(&key) {
-                Some(port) => Signal::Port(*port),
-                None => self.read(family, scalar, key, span),
-            });
-        }
-        match &port.ty {
-            Some(ty) if self.sensors.len() > known => {
-                self.sensed(leaves, ty, (&name, &port.name), span)
-            }
-            _ => leaves.into(),
-        }
+/// Elaborates a read of a sensor or status port. Each port is read once, at the start of the cycle, independently
+/// of activations.
+pub(in crate::elab) fn sensor<'u>(
+    elab: &mut Elab<'u>,
+    scope: &mut Scope<'u>,
+    device: ExprId,
+    port: u32,
+    at: At,
+    span: Span,
+) -> Wire {
+    if elab.mode == Mode::Constant {
+        return elab.fail(NotConstant::Flow(span));
     }
-
-    /// Adds the subrange checks of a port that is read for the first time.
-    fn sensed(&mut self, leaves: Vec<Signal>, ty: &Ty, of: (&str, &str), span: Span) -> Wire {
-        let count = leaves.len();
-        let wire = self.leaves_in_subranges(leaves.into(), ty, 0..count, (At::ROOT, span));
-        for (k, signal) in (0..).zip(wire.iter()) {
-            if let Signal::Port(port) = signal {
-                let key = (of.0.to_owned(), of.1.to_owned(), k);
-                self.sensors.insert(key, *port);
-            }
+    let unit = scope.unit;
+    let Ty::Device(ty) = &unit.expr(device).ty else {
+        return nothing();
+    };
+    let name = expr::elab_expr(elab, scope, device, at);
+    let name = name.first().cloned().unwrap_or(Signal::Absent);
+    let (Some(name), Some(port)) = (device_name(elab, &name), ty.ports.get(port as usize)) else {
+        return nothing();
+    };
+    let family = if port.optional {
+        Family::Sample
+    } else {
+        Family::Read
+    };
+    let scalars = port.ty.as_ref().map(leaf_scalars).unwrap_or_default();
+    let count = scalars.len();
+    let known = elab.sensors.len();
+    let mut leaves = Vec::with_capacity(count);
+    for (k, scalar) in (0..).zip(scalars) {
+        let key = (name.clone(), port.name.to_string(), k);
+        leaves.push(match elab.sensors.get(&key) {
+            Some(port) => Signal::Port(*port),
+            None => read(elab, family, scalar, key, span),
+        });
+    }
+    match &port.ty {
+        Some(ty) if elab.sensors.len() > known => {
+            check_sensor_subranges(elab, leaves, ty, (&name, &port.name), span)
         }
-        wire
-    }
-
-    fn read(
-        &mut self,
-        family: Family,
-        scalar: Scalar,
-        key: (String, String, u32),
-        span: Span,
-    ) -> Signal {
-        let Some(prim) = member(family, scalar) else {
-            return Signal::Absent;
-        };
-        let params = port_params(prim, &key.0, &key.1, key.2);
-        let node = self.node(
-            prim,
-            Inputs::new(),
-            params,
-            rpi_net::Types::from([Type::One(scalar)]),
-            FragmentId::ROOT,
-            span,
-        );
-        self.net.nodes[node.index()].name = format!("{}.{}#{}", key.0, key.1, node.0);
-        self.net.nodes[node.index()].origin.flow = Some(port_name(&key.0, &key.1, key.2));
-        let port = PortRef { node, port: 0 };
-        self.sensors.insert(key, port);
-        Signal::Port(port)
-    }
-
-    fn device_name(&self, signal: &Signal) -> Option<String> {
-        self.settled_constant(signal)?.as_str().map(str::to_owned)
-    }
-
-    /// Elaborates a write of a set-point to an actuator port, leaf by leaf.
-    pub(in crate::elab) fn write(
-        &mut self,
-        scope: &mut Scope<'u>,
-        device: FlowId,
-        port: u32,
-        target: &Target,
-        wire: &Wire,
-        at: At,
-    ) {
-        let unit = scope.unit;
-        let Some(ty): Option<&DeviceTy> = unit.device(device).map(|ty| &**ty) else {
-            return;
-        };
-        let name = self.flow(scope, device, target.span);
-        let name = name.first().and_then(|signal| self.device_name(signal));
-        let (Some(name), Some(port)) = (name, ty.ports.get(port as usize)) else {
-            return;
-        };
-        self.note_alternatives(&name, ty, port);
-        for (k, (scalar, signal)) in
-            (0..).zip(leaf_scalars(&target.ty).into_iter().zip(wire.iter()))
-        {
-            let Some(prim) = member(Family::Write, scalar) else {
-                continue;
-            };
-            let params = port_params(prim, &name, &port.name, k);
-            let inputs = vec![Some(crate::elab::signal::single(signal.clone()))];
-            self.prim(prim, inputs, params, at, target.span);
-        }
+        _ => leaves.into(),
     }
 }
 
-impl Elab<'_> {
-    /// Records the ports of a device that exclude each other with a written port.
-    fn note_alternatives(&mut self, device: &str, ty: &DeviceTy, port: &DevicePortTy) {
-        let same = |other: &&DevicePortTy| other.is_actuator && other.actuator == port.actuator;
-        let group = Alternatives {
-            device: device.to_owned(),
-            ports: ty
-                .ports
-                .iter()
-                .filter(same)
-                .map(|p| p.name.to_string())
-                .collect(),
-        };
-        if group.ports.len() > 1 && !self.net.alternatives.contains(&group) {
-            self.net.alternatives.push(group);
+/// Adds the subrange checks of a port that is read for the first time.
+fn check_sensor_subranges(
+    elab: &mut Elab<'_>,
+    leaves: Vec<Signal>,
+    ty: &Ty,
+    of: (&str, &str),
+    span: Span,
+) -> Wire {
+    let count = leaves.len();
+    let wire = subrange::check_leaves(elab, leaves.into(), ty, 0..count, (At::ROOT, span));
+    for (k, signal) in (0..).zip(wire.iter()) {
+        if let Signal::Port(port) = signal {
+            let key = (of.0.to_owned(), of.1.to_owned(), k);
+            elab.sensors.insert(key, *port);
         }
+    }
+    wire
+}
+
+fn read(
+    elab: &mut Elab<'_>,
+    family: Family,
+    scalar: Scalar,
+    key: (String, String, u32),
+    span: Span,
+) -> Signal {
+    let Some(prim) = member(family, scalar) else {
+        return Signal::Absent;
+    };
+    let params = port_params(prim, &key.0, &key.1, key.2);
+    let node = nodes::add_node(
+        elab,
+        prim,
+        Inputs::new(),
+        params,
+        rpi_net::Types::from([Type::One(scalar)]),
+        FragmentId::ROOT,
+        span,
+    );
+    elab.net.nodes[node.index()].name = format!("{}.{}#{}", key.0, key.1, node.0);
+    elab.net.nodes[node.index()].origin.flow = Some(port_name(&key.0, &key.1, key.2));
+    let port = PortRef { node, port: 0 };
+    elab.sensors.insert(key, port);
+    Signal::Port(port)
+}
+
+fn device_name(elab: &Elab<'_>, signal: &Signal) -> Option<String> {
+    each::constant_value(elab, signal)?
+        .as_str()
+        .map(str::to_owned)
+}
+
+/// Elaborates a write of a set-point to an actuator port, leaf by leaf.
+pub(in crate::elab) fn write<'u>(
+    elab: &mut Elab<'u>,
+    scope: &mut Scope<'u>,
+    device: FlowId,
+    port: u32,
+    target: &Target,
+    wire: &Wire,
+    at: At,
+) {
+    let unit = scope.unit;
+    let Some(ty): Option<&DeviceTy> = unit.device(device).map(|ty| &**ty) else {
+        return;
+    };
+    let name = flows::elab_flow(elab, scope, device, target.span);
+    let name = name.first().and_then(|signal| device_name(elab, signal));
+    let (Some(name), Some(port)) = (name, ty.ports.get(port as usize)) else {
+        return;
+    };
+    record_alternatives(elab, &name, ty, port);
+    for (k, (scalar, signal)) in (0..).zip(leaf_scalars(&target.ty).into_iter().zip(wire.iter())) {
+        let Some(prim) = member(Family::Write, scalar) else {
+            continue;
+        };
+        let params = port_params(prim, &name, &port.name, k);
+        let inputs = vec![Some(crate::elab::signal::single(signal.clone()))];
+        nodes::add_prim(elab, prim, inputs, params, at, target.span);
+    }
+}
+
+/// Records the ports of a device that exclude each other with a written port.
+fn record_alternatives(elab: &mut Elab<'_>, device: &str, ty: &DeviceTy, port: &DevicePortTy) {
+    let same = |other: &&DevicePortTy| other.is_actuator && other.actuator == port.actuator;
+    let group = Alternatives {
+        device: device.to_owned(),
+        ports: ty
+            .ports
+            .iter()
+            .filter(same)
+            .map(|p| p.name.to_string())
+            .collect(),
+    };
+    if group.ports.len() > 1 && !elab.net.alternatives.contains(&group) {
+        elab.net.alternatives.push(group);
     }
 }
 

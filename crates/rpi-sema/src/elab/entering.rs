@@ -5,6 +5,8 @@
 //! inside, such a flow would not be a link across the border. A copy node is therefore inserted beside the fragment. It
 //! depends on the fragment, and the fragment depends on it, so that the dependency cycle is found.
 
+use super::leaving;
+use super::nodes;
 use crate::elab::scope::{Scope, State};
 use crate::elab::signal::{Signal, Wire, alias_of};
 use crate::elab::{Elab, Mode};
@@ -12,74 +14,76 @@ use crate::typed::BlockId;
 use rpi_diag::Span;
 use rpi_net::FragmentId;
 
-impl<'u> Elab<'u> {
-    /// Passes the inputs of a called fragment through entry aliases.
-    pub(in crate::elab) fn ports_enter(&mut self, scope: &mut Scope<'u>, fragment: FragmentId) {
-        for port in &scope.unit.inputs {
-            if let State::Known(wire) = scope.state(*port).clone() {
-                let wire = self.entering(&wire, fragment);
-                *scope.state(*port) = State::Known(wire);
-            }
+/// Passes the inputs of a called fragment through entry aliases.
+pub(in crate::elab) fn add_input_entries<'u>(
+    elab: &mut Elab<'u>,
+    scope: &mut Scope<'u>,
+    fragment: FragmentId,
+) {
+    for port in &scope.unit.inputs {
+        if let State::Known(wire) = scope.state(*port).clone() {
+            let wire = entry_wire(elab, &wire, fragment);
+            *scope.state(*port) = State::Known(wire);
         }
     }
+}
 
-    /// Returns a flow of an enclosing block as read in a block in place.
-    pub(in crate::elab) fn read_inside(
-        &mut self,
-        scope: &Scope<'u>,
-        block: BlockId,
-        wire: Wire,
-        reader: FragmentId,
-    ) -> Wire {
-        if self.in_place.is_empty() || self.mode == Mode::Constant {
-            return wire;
-        }
-        let Some(around) = scope.fragment(block).filter(|around| *around != reader) else {
-            return wire;
-        };
-        // A flow shared by states lies beside its reader, not around it.
-        if !self.net.enclosing(reader).any(|f| f == around) {
-            return wire;
-        }
-        let between = self.net.enclosing(reader).take_while(|f| *f != around);
-        match between.filter(|f| self.in_place.contains(f)).last() {
-            Some(fragment) => self.entering(&wire, fragment),
-            None => wire,
-        }
+/// Returns a flow of an enclosing block as read in a block in place.
+pub(in crate::elab) fn read_inside<'u>(
+    elab: &mut Elab<'u>,
+    scope: &Scope<'u>,
+    block: BlockId,
+    wire: Wire,
+    reader: FragmentId,
+) -> Wire {
+    if elab.in_place.is_empty() || elab.mode == Mode::Constant {
+        return wire;
     }
-
-    fn entering(&mut self, wire: &Wire, fragment: FragmentId) -> Wire {
-        let mut leaf = |signal: &Signal| match signal {
-            Signal::Port(port) => match alias_of(*port) {
-                Some(known) => self.entry(known, signal, fragment),
-                None => signal.clone(),
-            },
-            other => other.clone(),
-        };
-        wire.iter().map(&mut leaf).collect()
+    let Some(around) = scope.fragment(block).filter(|around| *around != reader) else {
+        return wire;
+    };
+    // A flow shared by states lies beside its reader, not around it.
+    if !elab.net.enclosing(reader).any(|f| f == around) {
+        return wire;
     }
-
-    /// Creates an entry alias for an alias that may turn out to refer to an output of the fragment.
-    fn entry(&mut self, known: usize, signal: &Signal, fragment: FragmentId) -> Signal {
-        let port = self.new_alias(self.alias_types[known]);
-        if let Some(alias) = alias_of(port) {
-            self.aliases[alias] = Some(signal.clone());
-            self.entries.insert(alias, fragment);
-        }
-        Signal::Port(port)
+    let between = elab.net.enclosing(reader).take_while(|f| *f != around);
+    match between.filter(|f| elab.in_place.contains(f)).last() {
+        Some(fragment) => entry_wire(elab, &wire, fragment),
+        None => wire,
     }
+}
 
-    /// Returns the signal of a resolved entry alias: a copy node outside the fragment if the fragment itself computes
-    /// the signal.
-    pub(in crate::elab) fn before_entry(&mut self, alias: usize, signal: Signal) -> Signal {
-        let Some(&fragment) = self.entries.get(&alias) else {
-            return signal;
-        };
-        match (signal, self.net.fragment(fragment).parent) {
-            (Signal::Port(port), Some(around)) if self.is_made_in(port, fragment) => {
-                self.passing_on(port, self.alias_types[alias], around, Span::NONE)
-            }
-            (other, _) => other,
+fn entry_wire(elab: &mut Elab<'_>, wire: &Wire, fragment: FragmentId) -> Wire {
+    let mut leaf = |signal: &Signal| match signal {
+        Signal::Port(port) => match alias_of(*port) {
+            Some(known) => new_entry(elab, known, signal, fragment),
+            None => signal.clone(),
+        },
+        other => other.clone(),
+    };
+    wire.iter().map(&mut leaf).collect()
+}
+
+/// Creates an entry alias for an alias that may turn out to refer to an output of the fragment.
+fn new_entry(elab: &mut Elab<'_>, known: usize, signal: &Signal, fragment: FragmentId) -> Signal {
+    let port = nodes::new_alias(elab, elab.alias_types[known]);
+    if let Some(alias) = alias_of(port) {
+        elab.aliases[alias] = Some(signal.clone());
+        elab.entries.insert(alias, fragment);
+    }
+    Signal::Port(port)
+}
+
+/// Returns the signal of a resolved entry alias: a copy node outside the fragment if the fragment itself computes
+/// the signal.
+pub(in crate::elab) fn resolve_entry(elab: &mut Elab<'_>, alias: usize, signal: Signal) -> Signal {
+    let Some(&fragment) = elab.entries.get(&alias) else {
+        return signal;
+    };
+    match (signal, elab.net.fragment(fragment).parent) {
+        (Signal::Port(port), Some(around)) if leaving::is_computed_in(elab, port, fragment) => {
+            nodes::add_copy(elab, port, elab.alias_types[alias], around, Span::NONE)
         }
+        (other, _) => other,
     }
 }

@@ -1,5 +1,17 @@
 //! Elaborates expressions, one method per kind.
 
+use super::allowance;
+use super::call;
+use super::clocks;
+use super::device;
+use super::each;
+use super::guarded;
+use super::leaving;
+use super::needed;
+use super::nodes;
+use super::root;
+use super::subrange;
+use super::time;
 use crate::clocks::ClockId;
 use crate::elab::families::Family;
 use crate::elab::pack::natural;
@@ -28,472 +40,528 @@ fn first_operand(scope: &Scope<'_>, id: ExprId) -> Option<ExprId> {
     }
 }
 
-impl<'u> Elab<'u> {
-    /// Returns the wire of an expression, elaborating it on first use.
-    pub(in crate::elab) fn expr(&mut self, scope: &mut Scope<'u>, id: ExprId, at: At) -> Wire {
-        if let Some(wire) = scope.recall(id, at.guard) {
-            return wire;
-        }
-        if self.allowance.is_used_up {
-            return nothing();
-        }
-        let at = self.placed(scope, id, at);
-        self.innermost_first(scope, id, at);
-        let wire = self.fresh(scope, id, at);
-        self.may_hold(wire.len(), scope.unit.expr(id).span);
-        let guard = at.guard.filter(|_| self.can_fault(scope, id));
-        scope.remember(id, &wire, guard);
-        wire
+/// Returns the wire of an expression, elaborating it on first use.
+pub(in crate::elab) fn elab_expr<'u>(
+    elab: &mut Elab<'u>,
+    scope: &mut Scope<'u>,
+    id: ExprId,
+    at: At,
+) -> Wire {
+    if let Some(wire) = scope.recall(id, at.guard) {
+        return wire;
     }
+    if elab.allowance.is_used_up {
+        return nothing();
+    }
+    let at = clocks::position_of(elab, scope, id, at);
+    innermost_first(elab, scope, id, at);
+    let wire = elaborate_expr(elab, scope, id, at);
+    allowance::charge_leaves(elab, wire.len(), scope.unit.expr(id).span);
+    let guard = at
+        .guard
+        .filter(|_| guarded::elab_can_fault(elab, scope, id));
+    scope.remember(id, &wire, guard);
+    wire
+}
 
-    /// Elaborates deeply nested first operands from the inside out. An array iterator is a nest of one call per
-    /// element, and each level of recursion costs stack.
-    fn innermost_first(&mut self, scope: &mut Scope<'u>, id: ExprId, at: At) {
-        let mut chain = Vec::new();
-        let mut next = first_operand(scope, id);
-        while let Some(inner) = next.filter(|inner| !scope.is_known(*inner)) {
-            chain.push(inner);
-            next = first_operand(scope, inner);
+/// Elaborates deeply nested first operands from the inside out. An array iterator is a nest of one call per
+/// element, and each level of recursion costs stack.
+fn innermost_first<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>, id: ExprId, at: At) {
+    let mut chain = Vec::new();
+    let mut next = first_operand(scope, id);
+    while let Some(inner) = next.filter(|inner| !scope.is_known(*inner)) {
+        chain.push(inner);
+        next = first_operand(scope, inner);
+    }
+    if chain.len() > NESTED {
+        for inner in chain.into_iter().rev() {
+            elab_expr(elab, scope, inner, at);
         }
-        if chain.len() > NESTED {
-            for inner in chain.into_iter().rev() {
-                self.expr(scope, inner, at);
+    }
+}
+
+/// Reports an internal error: an invalid expression without a diagnostic.
+fn unreported_error(elab: &mut Elab<'_>, span: Span) -> Wire {
+    if elab.mode == Mode::Constant {
+        return elab.fail(NotConstant::Faulty);
+    }
+    let message = "internal error: an invalid expression was not reported";
+    call::report_failure(elab, Finding::of_compiler(message, span), span)
+}
+
+fn elaborate_expr<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>, id: ExprId, at: At) -> Wire {
+    let unit = scope.unit;
+    let expr = unit.expr(id);
+    let span = expr.span;
+    match &expr.kind {
+        Kind::Fault => unreported_error(elab, span),
+        Kind::Const(leaves) => time::constants(elab, leaves, &expr.ty, at, span),
+        Kind::Literal(leaf) => {
+            time::constants(elab, std::slice::from_ref(leaf), &expr.ty, at, span)
+        }
+        Kind::None => (0..expr.ty.leaf_count().max(1))
+            .map(|_| Signal::Absent)
+            .collect(),
+        Kind::Outside => root::open_value(elab, scope, id, at),
+        Kind::Flow(flow) => {
+            let facts = clocks::facts_of(elab, scope);
+            let outside = facts.is_some_and(|facts| facts.clocks.is_outside(id));
+            leaving::read_flow(elab, scope, (*flow, outside), at, span)
+        }
+        Kind::Sensor { device, port } => device::sensor(elab, scope, *device, *port, at, span),
+        Kind::Part { base, at: offset } => {
+            let wire = elab_expr(elab, scope, *base, at);
+            part(&wire, *offset as usize, expr.ty.leaf_count())
+        }
+        Kind::Slice { base, from, step } => slice(elab, scope, *base, *from, *step, id, at),
+        Kind::Select { base, index } => select(elab, scope, *base, *index, id, at),
+        Kind::Build(parts) => build(elab, scope, parts, &expr.ty, at),
+        Kind::Repeat(element) => {
+            let wire = elab_expr(elab, scope, *element, at);
+            let count = expr.ty.leaf_count();
+            wire.iter().cloned().cycle().take(count).collect()
+        }
+        Kind::Replace {
+            base,
+            at: offset,
+            value,
+        } => {
+            let mut wire = elab_expr(elab, scope, *base, at).to_vec();
+            let leaves = elab_expr(elab, scope, *value, at);
+            for (slot, signal) in wire.iter_mut().skip(*offset as usize).zip(leaves.iter()) {
+                *slot = signal.clone();
             }
+            subrange::check_replaced(elab, scope, wire.into(), [id, *value], *offset, at)
         }
+        Kind::Each(each, operands) => each::elementwise(elab, scope, *each, operands, id, at),
+        Kind::Equal { operands, negated } => equal(elab, scope, id, *operands, *negated, at),
+        Kind::Present(operand) => present(elab, scope, [id, *operand], at, span),
+        Kind::Prim(call) => prim_call(elab, scope, call, id, at),
+        Kind::Call(call) => call::elab_call(elab, scope, call, id, at),
+        Kind::When { value, .. } => clocks::sampled_value(elab, scope, [id, *value], at),
+        Kind::Merge { on, cases } => clocks::merge(elab, scope, *on, cases, id, at),
+        Kind::Current(operand) => clocks::elab_current(elab, scope, [id, *operand], at),
     }
+}
 
-    /// Reports an internal error: an invalid expression without a diagnostic.
-    fn untold(&mut self, span: Span) -> Wire {
-        if self.mode == Mode::Constant {
-            return self.fail(NotConstant::Faulty);
-        }
-        let message = "internal error: an invalid expression was not reported";
-        self.refuse(Finding::of_compiler(message, span), span)
+/// Elaborates a struct, array or tuple from its parts.
+fn build<'u>(
+    elab: &mut Elab<'u>,
+    scope: &mut Scope<'u>,
+    parts: &[ExprId],
+    ty: &crate::ty::Ty,
+    at: At,
+) -> Wire {
+    let mut signals = Vec::with_capacity(parts.len());
+    for (k, part) in parts.iter().enumerate() {
+        let wire = elab_expr(elab, scope, *part, at);
+        let place = scope.unit.expr(*part).span;
+        let wire = subrange::check_field(elab, wire, (ty, k), at, place);
+        signals.extend_from_slice(&wire);
     }
+    signals.into()
+}
 
-    fn fresh(&mut self, scope: &mut Scope<'u>, id: ExprId, at: At) -> Wire {
-        let unit = scope.unit;
-        let expr = unit.expr(id);
-        let span = expr.span;
-        match &expr.kind {
-            Kind::Fault => self.untold(span),
-            Kind::Const(leaves) => self.constants(leaves, &expr.ty, at, span),
-            Kind::Literal(leaf) => self.constants(std::slice::from_ref(leaf), &expr.ty, at, span),
-            Kind::None => (0..expr.ty.leaf_count().max(1))
-                .map(|_| Signal::Absent)
-                .collect(),
-            Kind::Outside => self.left_open(scope, id, at),
-            Kind::Flow(flow) => {
-                let facts = self.facts_of(scope);
-                let outside = facts.is_some_and(|facts| facts.clocks.is_outside(id));
-                self.read_flow(scope, (*flow, outside), at, span)
-            }
-            Kind::Sensor { device, port } => self.sensor(scope, *device, *port, at, span),
-            Kind::Part { base, at: offset } => {
-                let wire = self.expr(scope, *base, at);
-                part(&wire, *offset as usize, expr.ty.leaf_count())
-            }
-            Kind::Slice { base, from, step } => self.slice(scope, *base, *from, *step, id, at),
-            Kind::Select { base, index } => self.select(scope, *base, *index, id, at),
-            Kind::Build(parts) => self.built(scope, parts, &expr.ty, at),
-            Kind::Repeat(element) => {
-                let wire = self.expr(scope, *element, at);
-                let count = expr.ty.leaf_count();
-                wire.iter().cloned().cycle().take(count).collect()
-            }
-            Kind::Replace {
-                base,
-                at: offset,
-                value,
-            } => {
-                let mut wire = self.expr(scope, *base, at).to_vec();
-                let leaves = self.expr(scope, *value, at);
-                for (slot, signal) in wire.iter_mut().skip(*offset as usize).zip(leaves.iter()) {
-                    *slot = signal.clone();
-                }
-                self.replaced_in_subranges(scope, wire.into(), [id, *value], *offset, at)
-            }
-            Kind::Each(each, operands) => self.each(scope, *each, operands, id, at),
-            Kind::Equal { operands, negated } => self.equal(scope, id, *operands, *negated, at),
-            Kind::Present(operand) => self.present(scope, [id, *operand], at, span),
-            Kind::Prim(call) => self.prim_call(scope, call, id, at),
-            Kind::Call(call) => self.call(scope, call, id, at),
-            Kind::When { value, .. } => self.sampled_value(scope, [id, *value], at),
-            Kind::Merge { on, cases } => self.merge(scope, *on, cases, id, at),
-            Kind::Current(operand) => self.current(scope, [id, *operand], at),
-        }
-    }
+/// Returns the condition of a block as one signal, defined in all cycles of the block.
+pub(in crate::elab) fn elab_condition<'u>(
+    elab: &mut Elab<'u>,
+    scope: &mut Scope<'u>,
+    id: ExprId,
+    at: At,
+) -> Signal {
+    let wire = clocks::read_at(elab, scope, id, ClockId::BASE, at);
+    wire.first().cloned().unwrap_or(Signal::Absent)
+}
 
-    /// Elaborates a struct, array or tuple from its parts.
-    fn built(
-        &mut self,
-        scope: &mut Scope<'u>,
-        parts: &[ExprId],
-        ty: &crate::ty::Ty,
-        at: At,
-    ) -> Wire {
-        let mut signals = Vec::with_capacity(parts.len());
-        for (k, part) in parts.iter().enumerate() {
-            let wire = self.expr(scope, *part, at);
-            let place = scope.unit.expr(*part).span;
-            let wire = self.field_in_subrange(wire, (ty, k), at, place);
-            signals.extend_from_slice(&wire);
-        }
-        signals.into()
-    }
+/// Returns an operand as one signal.
+pub(in crate::elab) fn elab_operand<'u>(
+    elab: &mut Elab<'u>,
+    scope: &mut Scope<'u>,
+    pair: [ExprId; 2],
+    at: At,
+) -> Signal {
+    let wire = clocks::operand_wire(elab, scope, pair, at);
+    wire.first().cloned().unwrap_or(Signal::Absent)
+}
 
-    /// Returns the condition of a block as one signal, defined in all cycles of the block.
-    pub(in crate::elab) fn one(&mut self, scope: &mut Scope<'u>, id: ExprId, at: At) -> Signal {
-        let wire = self.read_at(scope, id, ClockId::BASE, at);
-        wire.first().cloned().unwrap_or(Signal::Absent)
-    }
-
-    /// Returns an operand as one signal.
-    pub(in crate::elab) fn operand(
-        &mut self,
-        scope: &mut Scope<'u>,
-        pair: [ExprId; 2],
-        at: At,
-    ) -> Signal {
-        let wire = self.operand_wire(scope, pair, at);
-        wire.first().cloned().unwrap_or(Signal::Absent)
-    }
-
-    fn slice(
-        &mut self,
-        scope: &mut Scope<'u>,
-        base: ExprId,
-        from: u32,
-        step: i32,
-        id: ExprId,
-        at: At,
-    ) -> Wire {
-        let wire = self.expr(scope, base, at);
-        let total = scope.unit.expr(id).ty.leaf_count();
-        let crate::ty::Ty::Array(element, _) = &scope.unit.expr(base).ty else {
-            return nothing();
+fn slice<'u>(
+    elab: &mut Elab<'u>,
+    scope: &mut Scope<'u>,
+    base: ExprId,
+    from: u32,
+    step: i32,
+    id: ExprId,
+    at: At,
+) -> Wire {
+    let wire = elab_expr(elab, scope, base, at);
+    let total = scope.unit.expr(id).ty.leaf_count();
+    let crate::ty::Ty::Array(element, _) = &scope.unit.expr(base).ty else {
+        return nothing();
+    };
+    let size = element.leaf_count().max(1);
+    let mut leaves = Vec::with_capacity(total);
+    let mut k = i64::from(from);
+    while leaves.len() < total {
+        let at = usize::try_from(k)
+            .unwrap_or(usize::MAX)
+            .saturating_mul(size);
+        let Some(element) = wire.get(at..at.saturating_add(size)) else {
+            break;
         };
-        let size = element.leaf_count().max(1);
-        let mut leaves = Vec::with_capacity(total);
-        let mut k = i64::from(from);
-        while leaves.len() < total {
-            let at = usize::try_from(k)
-                .unwrap_or(usize::MAX)
-                .saturating_mul(size);
-            let Some(element) = wire.get(at..at.saturating_add(size)) else {
-                break;
-            };
-            leaves.extend_from_slice(element);
-            k += i64::from(step);
-        }
-        leaves.into()
+        leaves.extend_from_slice(element);
+        k += i64::from(step);
     }
+    leaves.into()
+}
 
-    /// Elaborates an element at a computed index: a chain of conditionals with a bounds check.
-    fn select(
-        &mut self,
-        scope: &mut Scope<'u>,
-        base: ExprId,
-        index: ExprId,
-        id: ExprId,
-        at: At,
-    ) -> Wire {
-        let span = scope.unit.expr(id).span;
-        let wire = self.operand_wire(scope, [id, base], at);
-        let index = self.operand(scope, [id, index], at);
-        let scalars = leaf_scalars(&scope.unit.expr(id).ty);
-        let size = scalars.len().max(1);
-        let count = wire.len() / size;
-        self.check_index(&index, count, at, span);
-        let mut chosen = wire.get(..size).unwrap_or_default().to_vec();
-        for k in 1..count {
-            let place = Signal::Const(Value::int(k as i64));
-            let here = self.simple(prim!("Core::IntEquals"), &[index.clone(), place], at, span);
-            for (leaf, scalar) in chosen
-                .iter_mut()
-                .zip(&scalars)
-                .enumerate()
-                .map(|(n, (c, s))| ((n, c), s))
-            {
-                let (n, slot) = leaf;
-                let inputs = [here.clone(), wire[k * size + n].clone(), slot.clone()];
-                *slot = self.family(Family::Conditional, *scalar, &inputs, at, span);
-            }
-        }
-        chosen.into()
-    }
-
-    fn check_index(&mut self, index: &Signal, count: usize, at: At, span: Span) {
-        if let Signal::Const(value) = index
-            && let Some(k) = value.as_int()
-            && !(0..count as i64).contains(&k)
-            && at.guard.is_none()
-        {
-            let text = format!(
-                "index {k} is out of bounds: the array has {}, counted from 0",
-                rpi_diag::counted(count, "element")
-            );
-            return self.certain_fault(text, span);
-        }
-        let [first, last] = [0, count as i64 - 1].map(|k| Signal::Const(Value::int(k)));
-        let from = self.simple(
-            prim!("Rpi::IntGreaterOrEqual"),
-            &[index.clone(), first],
+/// Elaborates an element at a computed index: a chain of conditionals with a bounds check.
+fn select<'u>(
+    elab: &mut Elab<'u>,
+    scope: &mut Scope<'u>,
+    base: ExprId,
+    index: ExprId,
+    id: ExprId,
+    at: At,
+) -> Wire {
+    let span = scope.unit.expr(id).span;
+    let wire = clocks::operand_wire(elab, scope, [id, base], at);
+    let index = elab_operand(elab, scope, [id, index], at);
+    let scalars = leaf_scalars(&scope.unit.expr(id).ty);
+    let size = scalars.len().max(1);
+    let count = wire.len() / size;
+    check_index(elab, &index, count, at, span);
+    let mut chosen = wire.get(..size).unwrap_or_default().to_vec();
+    for k in 1..count {
+        let place = Signal::Const(Value::int(k as i64));
+        let here = nodes::add_simple(
+            elab,
+            prim!("Core::IntEquals"),
+            &[index.clone(), place],
             at,
             span,
         );
-        let to = self.simple(
-            prim!("Rpi::IntGreaterOrEqual"),
-            &[last, index.clone()],
+        for (leaf, scalar) in chosen
+            .iter_mut()
+            .zip(&scalars)
+            .enumerate()
+            .map(|(n, (c, s))| ((n, c), s))
+        {
+            let (n, slot) = leaf;
+            let inputs = [here.clone(), wire[k * size + n].clone(), slot.clone()];
+            *slot = nodes::add_family_member(elab, Family::Conditional, *scalar, &inputs, at, span);
+        }
+    }
+    chosen.into()
+}
+
+fn check_index(elab: &mut Elab<'_>, index: &Signal, count: usize, at: At, span: Span) {
+    if let Signal::Const(value) = index
+        && let Some(k) = value.as_int()
+        && !(0..count as i64).contains(&k)
+        && at.guard.is_none()
+    {
+        let text = format!(
+            "index {k} is out of bounds: the array has {}, counted from 0",
+            rpi_diag::counted(count, "element")
+        );
+        return nodes::report_certain_fault(elab, text, span);
+    }
+    let [first, last] = [0, count as i64 - 1].map(|k| Signal::Const(Value::int(k)));
+    let from = nodes::add_simple(
+        elab,
+        prim!("Rpi::IntGreaterOrEqual"),
+        &[index.clone(), first],
+        at,
+        span,
+    );
+    let to = nodes::add_simple(
+        elab,
+        prim!("Rpi::IntGreaterOrEqual"),
+        &[last, index.clone()],
+        at,
+        span,
+    );
+    let inside = nodes::add_simple(elab, prim!("Core::BooleanAnd"), &[from, to], at, span);
+    assert(elab, prim!("Rpi::AssertIndex"), &inside, at, span);
+}
+
+/// Returns a condition that is true in cycles in which the enclosing branch is not chosen.
+pub(in crate::elab) fn imply_guard(
+    elab: &mut Elab<'_>,
+    condition: &Signal,
+    at: At,
+    span: Span,
+) -> Signal {
+    match at.guard {
+        Some(guard) => nodes::add_simple(
+            elab,
+            prim!("Rpi::BooleanImplies"),
+            &[Signal::Port(guard), condition.clone()],
+            at,
+            span,
+        ),
+        None => condition.clone(),
+    }
+}
+
+/// Adds a check that ends the command with a fault in a cycle in which the condition is false.
+pub(in crate::elab) fn assert(
+    elab: &mut Elab<'_>,
+    check: PrimId,
+    condition: &Signal,
+    at: At,
+    span: Span,
+) {
+    if *condition == Signal::Const(Value::bool(true)) {
+        return;
+    }
+    let condition = imply_guard(elab, condition, at, span);
+    if elab.mode != Mode::Constant {
+        nodes::add_simple(elab, check, &[condition], at, span);
+    } else {
+        elab.fail(NotConstant::Fault(
+            span,
+            "the index is out of bounds".to_owned(),
+        ));
+    }
+}
+
+/// Elaborates `x = y`, leaf by leaf.
+fn equal<'u>(
+    elab: &mut Elab<'u>,
+    scope: &mut Scope<'u>,
+    id: ExprId,
+    operands: [ExprId; 2],
+    negated: bool,
+    at: At,
+) -> Wire {
+    let span = scope.unit.expr(id).span;
+    let scalars = leaf_scalars(&scope.unit.expr(operands[0]).ty);
+    let [a, b] = operands.map(|operand| clocks::operand_wire(elab, scope, [id, operand], at));
+    let mut all: Option<Signal> = None;
+    for ((a, b), scalar) in a.iter().zip(b.iter()).zip(scalars) {
+        let same = nodes::add_family_member(
+            elab,
+            Family::Equals,
+            scalar,
+            &[a.clone(), b.clone()],
             at,
             span,
         );
-        let inside = self.simple(prim!("Core::BooleanAnd"), &[from, to], at, span);
-        self.assert(prim!("Rpi::AssertIndex"), &inside, at, span);
+        all = Some(match all {
+            None => same,
+            Some(all) => nodes::add_simple(elab, prim!("Core::BooleanAnd"), &[all, same], at, span),
+        });
     }
+    let all = all.unwrap_or(Signal::Const(Value::bool(true)));
+    single(match negated {
+        true => nodes::add_simple(elab, prim!("Core::BooleanNot"), &[all], at, span),
+        false => all,
+    })
+}
 
-    /// Returns a condition that is true in cycles in which the enclosing branch is not chosen.
-    pub(in crate::elab) fn where_chosen(
-        &mut self,
-        condition: &Signal,
-        at: At,
-        span: Span,
-    ) -> Signal {
-        match at.guard {
-            Some(guard) => self.simple(
-                prim!("Rpi::BooleanImplies"),
-                &[Signal::Port(guard), condition.clone()],
-                at,
-                span,
-            ),
-            None => condition.clone(),
-        }
-    }
-
-    /// Adds a check that ends the command with a fault in a cycle in which the condition is false.
-    pub(in crate::elab) fn assert(
-        &mut self,
-        check: PrimId,
-        condition: &Signal,
-        at: At,
-        span: Span,
-    ) {
-        if *condition == Signal::Const(Value::bool(true)) {
-            return;
-        }
-        let condition = self.where_chosen(condition, at, span);
-        if self.mode != Mode::Constant {
-            self.simple(check, &[condition], at, span);
-        } else {
-            self.fail(NotConstant::Fault(
-                span,
-                "the index is out of bounds".to_owned(),
-            ));
-        }
-    }
-
-    /// Elaborates `x = y`, leaf by leaf.
-    fn equal(
-        &mut self,
-        scope: &mut Scope<'u>,
-        id: ExprId,
-        operands: [ExprId; 2],
-        negated: bool,
-        at: At,
-    ) -> Wire {
-        let span = scope.unit.expr(id).span;
-        let scalars = leaf_scalars(&scope.unit.expr(operands[0]).ty);
-        let [a, b] = operands.map(|operand| self.operand_wire(scope, [id, operand], at));
-        let mut all: Option<Signal> = None;
-        for ((a, b), scalar) in a.iter().zip(b.iter()).zip(scalars) {
-            let same = self.family(Family::Equals, scalar, &[a.clone(), b.clone()], at, span);
-            all = Some(match all {
-                None => same,
-                Some(all) => self.simple(prim!("Core::BooleanAnd"), &[all, same], at, span),
-            });
-        }
-        let all = all.unwrap_or(Signal::Const(Value::bool(true)));
-        single(match negated {
-            true => self.simple(prim!("Core::BooleanNot"), &[all], at, span),
-            false => all,
-        })
-    }
-
-    /// Elaborates `present(x)`: true if all leaves are present.
-    fn present(
-        &mut self,
-        scope: &mut Scope<'u>,
-        [id, operand]: [ExprId; 2],
-        at: At,
-        span: Span,
-    ) -> Wire {
-        let scalars = leaf_scalars(&scope.unit.expr(operand).ty);
-        let wire = self.operand_wire(scope, [id, operand], at);
-        let mut all = Signal::Const(Value::bool(true));
-        for (signal, scalar) in wire.iter().zip(scalars) {
-            let there = match signal {
-                Signal::Const(_) => Signal::Const(Value::bool(true)),
-                Signal::Absent => Signal::Const(Value::bool(false)),
-                other => {
-                    let absent = self.family(
-                        Family::IsNull,
-                        scalar,
-                        std::slice::from_ref(other),
-                        at,
-                        span,
-                    );
-                    self.simple(prim!("Core::BooleanNot"), &[absent], at, span)
-                }
-            };
-            all = self.both(&all, &there, at, span);
-        }
-        single(all)
-    }
-
-    /// Returns a conjunction, without a node if one operand is constant.
-    pub(in crate::elab) fn both(&mut self, a: &Signal, b: &Signal, at: At, span: Span) -> Signal {
-        let known = |signal: &Signal| match signal {
-            Signal::Const(value) => value.as_bool(),
-            _ => None,
-        };
-        match (known(a), known(b)) {
-            (Some(true), _) => b.clone(),
-            (_, Some(true)) => a.clone(),
-            (Some(false), other) | (other, Some(false)) if self.drops(other.is_none()) => {
-                Signal::Const(Value::bool(false))
+/// Elaborates `present(x)`: true if all leaves are present.
+fn present<'u>(
+    elab: &mut Elab<'u>,
+    scope: &mut Scope<'u>,
+    [id, operand]: [ExprId; 2],
+    at: At,
+    span: Span,
+) -> Wire {
+    let scalars = leaf_scalars(&scope.unit.expr(operand).ty);
+    let wire = clocks::operand_wire(elab, scope, [id, operand], at);
+    let mut all = Signal::Const(Value::bool(true));
+    for (signal, scalar) in wire.iter().zip(scalars) {
+        let there = match signal {
+            Signal::Const(_) => Signal::Const(Value::bool(true)),
+            Signal::Absent => Signal::Const(Value::bool(false)),
+            other => {
+                let absent = nodes::add_family_member(
+                    elab,
+                    Family::IsNull,
+                    scalar,
+                    std::slice::from_ref(other),
+                    at,
+                    span,
+                );
+                nodes::add_simple(elab, prim!("Core::BooleanNot"), &[absent], at, span)
             }
-            _ => self.simple(prim!("Core::BooleanAnd"), &[a.clone(), b.clone()], at, span),
-        }
-    }
-
-    /// Returns whether code ruled out by a constant is left out. `reads`: whether that code reads flows.
-    pub(in crate::elab) fn drops(&mut self, reads: bool) -> bool {
-        self.leaves_out |= reads;
-        !reads || matches!(self.mode, Mode::Net | Mode::Constant)
-    }
-
-    /// Elaborates `not present(x)` of a single leaf as one primitive.
-    fn absent_test(
-        &mut self,
-        scope: &mut Scope<'u>,
-        call: &'u PrimCall,
-        id: ExprId,
-        at: At,
-    ) -> Option<Wire> {
-        let span = scope.unit.expr(id).span;
-        let operand = call.inputs.first().copied().flatten()?;
-        let Kind::Present(tested) = scope.unit.expr(operand).kind else {
-            return None;
         };
-        let [scalar] = leaf_scalars(&scope.unit.expr(tested).ty)[..] else {
-            return None;
-        };
-        if call.prim != prim!("Core::BooleanNot") {
-            return None;
-        }
-        let wire = self.operand_wire(scope, [operand, tested], at);
-        let is_flow = matches!(wire.first()?, Signal::Port(_) | Signal::Element(..));
-        is_flow.then(|| single(self.family(Family::IsNull, scalar, &wire, at, span)))
+        all = conjunction(elab, &all, &there, at, span);
     }
+    single(all)
+}
 
-    fn prim_call(&mut self, scope: &mut Scope<'u>, call: &'u PrimCall, id: ExprId, at: At) -> Wire {
-        let span = scope.unit.expr(id).span;
-        if self.mode == Mode::Constant
-            && let Some(wire) = self.constant_time(scope, call, at, span)
-        {
-            return wire;
+/// Returns a conjunction, without a node if one operand is constant.
+pub(in crate::elab) fn conjunction(
+    elab: &mut Elab<'_>,
+    a: &Signal,
+    b: &Signal,
+    at: At,
+    span: Span,
+) -> Signal {
+    let known = |signal: &Signal| match signal {
+        Signal::Const(value) => value.as_bool(),
+        _ => None,
+    };
+    match (known(a), known(b)) {
+        (Some(true), _) => b.clone(),
+        (_, Some(true)) => a.clone(),
+        (Some(false), other) | (other, Some(false)) if drops_dead_code(elab, other.is_none()) => {
+            Signal::Const(Value::bool(false))
         }
-        if let Some(test) = self.absent_test(scope, call, id, at) {
-            return test;
-        }
-        if let Some(decided) = self.short_circuit(scope, call, id, at) {
-            return decided;
-        }
-        let desc = call.prim.desc();
-        let is_of_cycle = matches!(desc.role, Role::Flow(_) | Role::First)
-            && desc.inputs.is_empty()
-            && desc.params.is_empty();
-        let key = (at.fragment, call.prim);
-        if let Some(known) = self.of_cycle.get(&key).filter(|_| is_of_cycle) {
-            return known.clone();
-        }
-        let at = match crate::elab::guarded::has_state(call) {
-            true => at.unguarded(),
-            false => at,
-        };
-        let mut inputs = Given::new();
-        for (port, input) in call.prim.desc().inputs.iter().zip(&call.inputs) {
-            inputs.push(input.map(|input| self.given(scope, [id, input], port.ty, at)));
-        }
-        let Some(params) = self.params(scope, call, at, span) else {
-            return nothing();
-        };
-        let wire = match at
-            .guard
-            .and_then(|guard| crate::elab::guarded::twin(call.prim).map(|twin| (guard, twin)))
-        {
-            Some((guard, twin)) => {
-                let guard = single(Signal::Port(guard));
-                inputs.insert(0, Some((Type::One(Scalar::Bool), guard)));
-                self.prim_shaped(twin, inputs, params, at, span)
-            }
-            None => self.prim_shaped(call.prim, inputs, params, at, span),
-        };
-        if is_of_cycle && self.mode != Mode::Constant {
-            self.of_cycle.insert(key, wire.clone());
-        }
-        wire
+        _ => nodes::add_simple(
+            elab,
+            prim!("Core::BooleanAnd"),
+            &[a.clone(), b.clone()],
+            at,
+            span,
+        ),
     }
+}
 
-    /// Returns the wire of a primitive's argument with its machine type.
-    fn given(
-        &mut self,
-        scope: &mut Scope<'u>,
-        pair: [ExprId; 2],
-        port: PortType,
-        at: At,
-    ) -> (Type, Wire) {
-        let wire = self.operand_wire(scope, pair, at);
-        let known = crate::check::machine_type(&scope.unit.expr(pair[1]).ty);
-        let is_array = !matches!(port, PortType::One(_));
-        let ty = known.filter(|_| is_array);
-        (ty.unwrap_or_else(|| natural(port, wire.len())), wire)
+/// Returns whether code ruled out by a constant is left out. `reads`: whether that code reads flows.
+pub(in crate::elab) fn drops_dead_code(elab: &mut Elab<'_>, reads: bool) -> bool {
+    elab.leaves_out |= reads;
+    !reads || matches!(elab.mode, Mode::Net | Mode::Constant)
+}
+
+/// Elaborates `not present(x)` of a single leaf as one primitive.
+fn not_present<'u>(
+    elab: &mut Elab<'u>,
+    scope: &mut Scope<'u>,
+    call: &'u PrimCall,
+    id: ExprId,
+    at: At,
+) -> Option<Wire> {
+    let span = scope.unit.expr(id).span;
+    let operand = call.inputs.first().copied().flatten()?;
+    let Kind::Present(tested) = scope.unit.expr(operand).kind else {
+        return None;
+    };
+    let [scalar] = leaf_scalars(&scope.unit.expr(tested).ty)[..] else {
+        return None;
+    };
+    if call.prim != prim!("Core::BooleanNot") {
+        return None;
     }
+    let wire = clocks::operand_wire(elab, scope, [operand, tested], at);
+    let is_flow = matches!(wire.first()?, Signal::Port(_) | Signal::Element(..));
+    is_flow.then(|| {
+        single(nodes::add_family_member(
+            elab,
+            Family::IsNull,
+            scalar,
+            &wire,
+            at,
+            span,
+        ))
+    })
+}
 
-    /// Evaluates the parameters of a primitive, which must be constant here.
-    fn params(
-        &mut self,
-        scope: &mut Scope<'u>,
-        call: &'u PrimCall,
-        at: At,
-        span: Span,
-    ) -> Option<Vec<Value>> {
-        let desc = call.prim.desc();
-        let mut params = Vec::with_capacity(desc.params.len());
-        for (param, given) in desc.params.iter().zip(&call.params) {
-            let Some(id) = given else {
-                params.extend(crate::check::param_default(param));
-                continue;
-            };
-            let wire = self.expr(scope, *id, at);
-            let values: Option<Vec<Value>> = wire
-                .iter()
-                .map(|signal| self.settled_constant(signal))
-                .collect();
-            let value = values.and_then(|values| match param.ty {
-                ParamType::Array(scalar) => Some(crate::check::packed(scalar, &values)),
-                _ => values.first().cloned(),
-            });
-            match value {
-                Some(value) => params.push(value),
-                None => {
-                    self.fail(NotConstant::Flow(span));
-                    return None;
-                }
+fn prim_call<'u>(
+    elab: &mut Elab<'u>,
+    scope: &mut Scope<'u>,
+    call: &'u PrimCall,
+    id: ExprId,
+    at: At,
+) -> Wire {
+    let span = scope.unit.expr(id).span;
+    if elab.mode == Mode::Constant
+        && let Some(wire) = time::constant_duration(elab, scope, call, at, span)
+    {
+        return wire;
+    }
+    if let Some(test) = not_present(elab, scope, call, id, at) {
+        return test;
+    }
+    if let Some(decided) = needed::short_circuit(elab, scope, call, id, at) {
+        return decided;
+    }
+    let desc = call.prim.desc();
+    let is_of_cycle = matches!(desc.role, Role::Flow(_) | Role::First)
+        && desc.inputs.is_empty()
+        && desc.params.is_empty();
+    let key = (at.fragment, call.prim);
+    if let Some(known) = elab.of_cycle.get(&key).filter(|_| is_of_cycle) {
+        return known.clone();
+    }
+    let at = match crate::elab::guarded::has_state(call) {
+        true => at.unguarded(),
+        false => at,
+    };
+    let mut inputs = Given::new();
+    for (port, input) in call.prim.desc().inputs.iter().zip(&call.inputs) {
+        inputs.push(input.map(|input| primitive_argument(elab, scope, [id, input], port.ty, at)));
+    }
+    let Some(params) = primitive_params(elab, scope, call, at, span) else {
+        return nothing();
+    };
+    let wire = match at
+        .guard
+        .and_then(|guard| crate::elab::guarded::twin(call.prim).map(|twin| (guard, twin)))
+    {
+        Some((guard, twin)) => {
+            let guard = single(Signal::Port(guard));
+            inputs.insert(0, Some((Type::One(Scalar::Bool), guard)));
+            nodes::add_prim_typed(elab, twin, inputs, params, at, span)
+        }
+        None => nodes::add_prim_typed(elab, call.prim, inputs, params, at, span),
+    };
+    if is_of_cycle && elab.mode != Mode::Constant {
+        elab.of_cycle.insert(key, wire.clone());
+    }
+    wire
+}
+
+/// Returns the wire of a primitive's argument with its machine type.
+fn primitive_argument<'u>(
+    elab: &mut Elab<'u>,
+    scope: &mut Scope<'u>,
+    pair: [ExprId; 2],
+    port: PortType,
+    at: At,
+) -> (Type, Wire) {
+    let wire = clocks::operand_wire(elab, scope, pair, at);
+    let known = crate::check::machine_type(&scope.unit.expr(pair[1]).ty);
+    let is_array = !matches!(port, PortType::One(_));
+    let ty = known.filter(|_| is_array);
+    (ty.unwrap_or_else(|| natural(port, wire.len())), wire)
+}
+
+/// Evaluates the parameters of a primitive, which must be constant here.
+fn primitive_params<'u>(
+    elab: &mut Elab<'u>,
+    scope: &mut Scope<'u>,
+    call: &'u PrimCall,
+    at: At,
+    span: Span,
+) -> Option<Vec<Value>> {
+    let desc = call.prim.desc();
+    let mut params = Vec::with_capacity(desc.params.len());
+    for (param, given) in desc.params.iter().zip(&call.params) {
+        let Some(id) = given else {
+            params.extend(crate::check::param_default(param));
+            continue;
+        };
+        let wire = elab_expr(elab, scope, *id, at);
+        let values: Option<Vec<Value>> = wire
+            .iter()
+            .map(|signal| each::constant_value(elab, signal))
+            .collect();
+        let value = values.and_then(|values| match param.ty {
+            ParamType::Array(scalar) => Some(crate::check::packed(scalar, &values)),
+            _ => values.first().cloned(),
+        });
+        match value {
+            Some(value) => params.push(value),
+            None => {
+                elab.fail(NotConstant::Flow(span));
+                return None;
             }
         }
-        Some(params)
     }
+    Some(params)
 }
 
 /// Returns `count` leaves of a wire starting at `at`.

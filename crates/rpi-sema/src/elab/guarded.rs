@@ -57,129 +57,135 @@ pub(in crate::elab) struct WithinUnit {
     is_stateless: bool,
 }
 
-impl<'u> Elab<'u> {
-    /// Returns whether an expression contains an operation that can fault and can be guarded.
-    pub(in crate::elab) fn can_fault(&mut self, scope: &Scope<'u>, id: ExprId) -> bool {
-        self.within(scope, id).can_fault
-    }
+/// Returns whether an expression contains an operation that can fault and can be guarded.
+pub(in crate::elab) fn elab_can_fault<'u>(
+    elab: &mut Elab<'u>,
+    scope: &Scope<'u>,
+    id: ExprId,
+) -> bool {
+    expr_properties(elab, scope, id).can_fault
+}
 
-    /// Returns whether an expression contains state, which runs in all cycles.
-    pub(in crate::elab) fn goes_on(&mut self, scope: &Scope<'u>, id: ExprId) -> bool {
-        self.within(scope, id).goes_on
-    }
+/// Returns whether an expression contains state, which runs in all cycles.
+pub(in crate::elab) fn contains_state<'u>(
+    elab: &mut Elab<'u>,
+    scope: &Scope<'u>,
+    id: ExprId,
+) -> bool {
+    expr_properties(elab, scope, id).goes_on
+}
 
-    /// Returns whether a call is guarded as a whole.
-    pub(in crate::elab) fn is_guarded(&mut self, call: &Call) -> bool {
-        matches!(call.activation, Activation::Always) && self.is_stateless(call.unit)
-    }
+/// Returns whether a call is guarded as a whole.
+pub(in crate::elab) fn is_guarded(elab: &mut Elab<'_>, call: &Call) -> bool {
+    matches!(call.activation, Activation::Always) && is_stateless_expr(elab, call.unit)
+}
 
-    /// Returns whether a unit has no state.
-    pub(in crate::elab) fn is_stateless(&mut self, unit: UnitId) -> bool {
-        match self.units[unit.0 as usize].kind {
-            UnitKind::Function => true,
-            UnitKind::Node => self.within_unit(unit).is_stateless,
-            _ => false,
+/// Returns whether a unit has no state.
+pub(in crate::elab) fn is_stateless_expr(elab: &mut Elab<'_>, unit: UnitId) -> bool {
+    match elab.units[unit.0 as usize].kind {
+        UnitKind::Function => true,
+        UnitKind::Node => unit_properties(elab, unit).is_stateless,
+        _ => false,
+    }
+}
+
+/// Returns the properties of an expression. A constant outside any unit has no state and no faults at run time.
+fn expr_properties<'u>(elab: &mut Elab<'u>, scope: &Scope<'u>, id: ExprId) -> Within {
+    match scope.id {
+        Some(unit) => unit_properties(elab, unit).exprs[id.0 as usize],
+        None => Within::default(),
+    }
+}
+
+/// Computes the properties of a unit after those of its callees. Iterative, because a chain of calls may exceed the
+/// stack.
+fn unit_properties(elab: &mut Elab<'_>, id: UnitId) -> Rc<WithinUnit> {
+    let mut open = vec![id];
+    let mut entered: Set<UnitId> = Set::default();
+    while let Some(unit) = open.last().copied() {
+        if elab.within.contains_key(&unit) {
+            open.pop();
+        } else if entered.insert(unit) {
+            let called = calls(&elab.units[unit.0 as usize]).map(|call| call.unit);
+            open.extend(called.filter(|called| !entered.contains(called)));
+        } else {
+            let known = compute_unit_properties(elab, &elab.units[unit.0 as usize]);
+            elab.within.insert(unit, Rc::new(known));
+            open.pop();
         }
     }
+    elab.within[&id].clone()
+}
 
-    /// Returns the properties of an expression. A constant outside any unit has no state and no faults at run time.
-    fn within(&mut self, scope: &Scope<'u>, id: ExprId) -> Within {
-        match scope.id {
-            Some(unit) => self.within_unit(unit).exprs[id.0 as usize],
-            None => Within::default(),
+fn compute_unit_properties(elab: &Elab<'_>, unit: &Unit) -> WithinUnit {
+    let exprs = compute_expr_properties(elab, unit);
+    let can_fault = |equation: &Equation| {
+        let mut targets = equation.targets.iter();
+        exprs[equation.value.0 as usize].can_fault
+            || targets.any(|target| target.ty.has_subrange(false))
+    };
+    let mut blocks = unit.blocks.iter();
+    let mut inputs = unit.inputs.iter();
+    let can_fault = inputs.any(|input| unit.flow(*input).ty.has_subrange(false))
+        || blocks.any(|block| !block.claims.is_empty() || block.equations.iter().any(can_fault));
+    let is_stateless = match unit.kind {
+        UnitKind::Function => true,
+        UnitKind::Node => {
+            let mut blocks = (0..).map(BlockId).zip(&unit.blocks);
+            blocks.all(|(id, block)| is_plain(id, block))
+                && exprs.iter().all(|within| !within.goes_on)
         }
+        _ => false,
+    };
+    WithinUnit {
+        exprs,
+        can_fault,
+        is_stateless,
     }
+}
 
-    /// Computes the properties of a unit after those of its callees. Iterative, because a chain of calls may exceed the
-    /// stack.
-    fn within_unit(&mut self, id: UnitId) -> Rc<WithinUnit> {
-        let mut open = vec![id];
-        let mut entered: Set<UnitId> = Set::default();
-        while let Some(unit) = open.last().copied() {
-            if self.within.contains_key(&unit) {
-                open.pop();
-            } else if entered.insert(unit) {
-                let called = calls(&self.units[unit.0 as usize]).map(|call| call.unit);
-                open.extend(called.filter(|called| !entered.contains(called)));
-            } else {
-                let known = self.of_unit(&self.units[unit.0 as usize]);
-                self.within.insert(unit, Rc::new(known));
-                open.pop();
-            }
+/// Computes the properties of all expressions of a unit. Operands precede their expressions in the table.
+fn compute_expr_properties(elab: &Elab<'_>, unit: &Unit) -> Vec<Within> {
+    let mut all: Vec<Within> = Vec::with_capacity(unit.exprs.len());
+    for expr in &unit.exprs {
+        let mut within = own_properties(elab, expr);
+        if !within.goes_on {
+            expr.kind.operands(&mut |operand| {
+                let operand = all[operand.0 as usize];
+                within.can_fault |= operand.can_fault;
+                within.goes_on |= operand.goes_on;
+            });
         }
-        self.within[&id].clone()
+        all.push(within);
     }
+    all
+}
 
-    fn of_unit(&self, unit: &Unit) -> WithinUnit {
-        let exprs = self.within_each(unit);
-        let can_fault = |equation: &Equation| {
-            let mut targets = equation.targets.iter();
-            exprs[equation.value.0 as usize].can_fault
-                || targets.any(|target| target.ty.has_subrange(false))
-        };
-        let mut blocks = unit.blocks.iter();
-        let mut inputs = unit.inputs.iter();
-        let can_fault = inputs.any(|input| unit.flow(*input).ty.has_subrange(false))
-            || blocks
-                .any(|block| !block.claims.is_empty() || block.equations.iter().any(can_fault));
-        let is_stateless = match unit.kind {
-            UnitKind::Function => true,
-            UnitKind::Node => {
-                let mut blocks = (0..).map(BlockId).zip(&unit.blocks);
-                blocks.all(|(id, block)| is_plain(id, block))
-                    && exprs.iter().all(|within| !within.goes_on)
-            }
-            _ => false,
-        };
-        WithinUnit {
-            exprs,
-            can_fault,
-            is_stateless,
-        }
-    }
-
-    /// Computes the properties of all expressions of a unit. Operands precede their expressions in the table.
-    fn within_each(&self, unit: &Unit) -> Vec<Within> {
-        let mut all: Vec<Within> = Vec::with_capacity(unit.exprs.len());
-        for expr in &unit.exprs {
-            let mut within = self.alone(expr);
-            if !within.goes_on {
-                expr.kind.operands(&mut |operand| {
-                    let operand = all[operand.0 as usize];
-                    within.can_fault |= operand.can_fault;
-                    within.goes_on |= operand.goes_on;
-                });
-            }
-            all.push(within);
-        }
-        all
-    }
-
-    /// Returns the properties of an expression without its operands. Operations that feed a state are not guarded.
-    fn alone(&self, expr: &Expr) -> Within {
-        let kind = &expr.kind;
-        let called = match kind {
-            Kind::Call(call) => self.within.get(&call.unit).filter(|called| {
-                called.is_stateless && matches!(call.activation, Activation::Always)
-            }),
-            _ => None,
-        };
-        let goes_on = match kind {
-            Kind::Each(Each::Pre | Each::Last | Each::Hold, _) | Kind::Current(_) => true,
-            Kind::Prim(call) => has_state(call),
-            // A callee without properties is part of a recursion, which is reported elsewhere.
-            Kind::Call(_) => called.is_none(),
-            _ => false,
-        };
-        let can_fault = match kind {
-            Kind::Select { .. } => true,
-            Kind::Build(_) | Kind::Replace { .. } => expr.ty.has_subrange(true),
-            Kind::Prim(call) => call.prim.desc().may_fault && !goes_on,
-            Kind::Call(_) => called.is_some_and(|called| called.can_fault),
-            _ => false,
-        };
-        Within { can_fault, goes_on }
-    }
+/// Returns the properties of an expression without its operands. Operations that feed a state are not guarded.
+fn own_properties(elab: &Elab<'_>, expr: &Expr) -> Within {
+    let kind = &expr.kind;
+    let called = match kind {
+        Kind::Call(call) => elab
+            .within
+            .get(&call.unit)
+            .filter(|called| called.is_stateless && matches!(call.activation, Activation::Always)),
+        _ => None,
+    };
+    let goes_on = match kind {
+        Kind::Each(Each::Pre | Each::Last | Each::Hold, _) | Kind::Current(_) => true,
+        Kind::Prim(call) => has_state(call),
+        // A callee without properties is part of a recursion, which is reported elsewhere.
+        Kind::Call(_) => called.is_none(),
+        _ => false,
+    };
+    let can_fault = match kind {
+        Kind::Select { .. } => true,
+        Kind::Build(_) | Kind::Replace { .. } => expr.ty.has_subrange(true),
+        Kind::Prim(call) => call.prim.desc().may_fault && !goes_on,
+        Kind::Call(_) => called.is_some_and(|called| called.can_fault),
+        _ => false,
+    };
+    Within { can_fault, goes_on }
 }
 
 /// Returns whether a primitive has state. Access to a device counts as state.

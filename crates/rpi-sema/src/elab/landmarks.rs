@@ -1,5 +1,6 @@
 //! Coverage points: records which places in the source the parts of a test's net come from.
 
+use super::pack;
 use crate::elab::signal::Signal;
 use crate::elab::{At, Elab};
 use crate::hash::Map;
@@ -36,53 +37,51 @@ fn own_name(name: &mut String, inside: FragmentId, known: &mut Known) {
     known.entry((inside, name.clone())).or_insert(0);
 }
 
-impl Elab<'_> {
-    /// Records that a unit is called.
-    pub(in crate::elab) fn called_here(&mut self, unit: &Unit) {
-        if self.tells_landmarks {
-            self.net.landmarks.called.push(unit.span);
-        }
+/// Records that a unit is called.
+pub(in crate::elab) fn record_call(elab: &mut Elab<'_>, unit: &Unit) {
+    if elab.tells_landmarks {
+        elab.net.landmarks.called.push(unit.span);
     }
+}
 
-    /// Records a choice and returns its branches, the one for `true` first.
-    pub(in crate::elab) fn choice_here(
-        &mut self,
-        condition: &Signal,
-        at: At,
-        span: Span,
-    ) -> [Option<Side>; 2] {
-        if !self.tells_landmarks {
-            return [at.side; 2];
-        }
-        let condition = self.one_input(condition, Scalar::Bool, at, span);
-        let choices = &mut self.net.landmarks.choices;
-        let choice = choices.len() as u32;
-        choices.push(Choice {
-            condition,
-            fragment: at.fragment,
-            side: at.side,
-            span,
-        });
-        [true, false].map(|taken_if| Some(Side { choice, taken_if }))
+/// Records a choice and returns its branches, the one for `true` first.
+pub(in crate::elab) fn record_choice(
+    elab: &mut Elab<'_>,
+    condition: &Signal,
+    at: At,
+    span: Span,
+) -> [Option<Side>; 2] {
+    if !elab.tells_landmarks {
+        return [at.side; 2];
     }
+    let condition = pack::one_input(elab, condition, Scalar::Bool, at, span);
+    let choices = &mut elab.net.landmarks.choices;
+    let choice = choices.len() as u32;
+    choices.push(Choice {
+        condition,
+        fragment: at.fragment,
+        side: at.side,
+        span,
+    });
+    [true, false].map(|taken_if| Some(Side { choice, taken_if }))
+}
 
-    /// Records the transitions out of a state. `exits` has the last transition first.
-    pub(in crate::elab) fn exits_here(
-        &mut self,
-        here: &Signal,
-        exits: Vec<(Signal, Span)>,
-        automaton: Span,
-        at: At,
-    ) {
-        if !self.tells_landmarks {
-            return;
-        }
-        let here = self.one_input(here, Scalar::Bool, at, automaton);
-        let exit = |(condition, span): (Signal, Span)| Exit {
-            condition: self.one_input(&condition, Scalar::Bool, at, span),
-            span,
-        };
-        let transitions = exits.into_iter().rev().map(exit).collect();
-        self.net.landmarks.exits.push(Exits { here, transitions });
+/// Records the transitions out of a state. `exits` has the last transition first.
+pub(in crate::elab) fn record_transitions(
+    elab: &mut Elab<'_>,
+    here: &Signal,
+    exits: Vec<(Signal, Span)>,
+    automaton: Span,
+    at: At,
+) {
+    if !elab.tells_landmarks {
+        return;
     }
+    let here = pack::one_input(elab, here, Scalar::Bool, at, automaton);
+    let exit = |(condition, span): (Signal, Span)| Exit {
+        condition: pack::one_input(elab, &condition, Scalar::Bool, at, span),
+        span,
+    };
+    let transitions = exits.into_iter().rev().map(exit).collect();
+    elab.net.landmarks.exits.push(Exits { here, transitions });
 }

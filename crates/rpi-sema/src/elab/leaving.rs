@@ -4,6 +4,11 @@
 //! Inside a fragment, a flow that is a constant or an alias of an outer flow needs no node. A reader outside sees an
 //! absent flow in the cycles in which the fragment is inactive, so for such a reader a node is added to the fragment.
 
+use super::clocks;
+use super::entering;
+use super::flows;
+use super::nodes;
+use super::pack;
 use crate::elab::expr::leaf_scalars;
 use crate::elab::scope::Scope;
 use crate::elab::signal::{Signal, Wire, alias_of};
@@ -20,150 +25,165 @@ pub(in crate::elab) struct Leaving {
     reader: FragmentId,
 }
 
-impl<'u> Elab<'u> {
-    /// Returns the wire of a flow for a reader in its unit. A reader outside a block that may be inactive sees an
-    /// optional flow.
-    pub(in crate::elab) fn read_flow(
-        &mut self,
-        scope: &mut Scope<'u>,
-        (flow, is_outside): (FlowId, bool),
-        at: At,
-        span: Span,
-    ) -> Wire {
-        let wire = match is_outside {
-            true => self.flow_outside(scope, flow, span),
-            false => self.flow(scope, flow, span),
-        };
-        let wire = self.wire_read(scope, flow, wire, at);
-        if self.mode == Mode::Steps {
-            return self.reads(scope, flow, &wire, at, span);
+/// Returns the wire of a flow for a reader in its unit. A reader outside a block that may be inactive sees an
+/// optional flow.
+pub(in crate::elab) fn read_flow<'u>(
+    elab: &mut Elab<'u>,
+    scope: &mut Scope<'u>,
+    (flow, is_outside): (FlowId, bool),
+    at: At,
+    span: Span,
+) -> Wire {
+    let wire = match is_outside {
+        true => clocks::flow_outside_block(elab, scope, flow, span),
+        false => flows::elab_flow(elab, scope, flow, span),
+    };
+    let wire = flow_for_reader(elab, scope, flow, wire, at);
+    if elab.mode == Mode::Steps {
+        return insert_reads(elab, scope, flow, &wire, at, span);
+    }
+    wire
+}
+
+/// Adds a node for each leaf that is read, at the position of the reader.
+fn insert_reads<'u>(
+    elab: &mut Elab<'u>,
+    scope: &Scope<'u>,
+    flow: FlowId,
+    wire: &Wire,
+    at: At,
+    span: Span,
+) -> Wire {
+    let scalars = leaf_scalars(&scope.unit.flow(flow).ty).into_iter();
+    let leaves = scalars.zip(&**wire).map(|(scalar, signal)| match signal {
+        Signal::Port(port) => nodes::add_copy(elab, *port, scalar, at.fragment, span),
+        other => other.clone(),
+    });
+    leaves.collect()
+}
+
+fn flow_for_reader<'u>(
+    elab: &mut Elab<'u>,
+    scope: &mut Scope<'u>,
+    flow: FlowId,
+    wire: Wire,
+    at: At,
+) -> Wire {
+    let block = scope.unit.flow(flow).block;
+    let wire = entering::read_inside(elab, scope, block, wire, at.fragment);
+    if elab.mode == Mode::Constant || block == BlockId::ROOT {
+        return wire;
+    }
+    if let Some(from) = scope.fragment(block) {
+        return gate_wire(elab, &wire, from, at.fragment);
+    }
+    let mut leaf = |signal: &Signal| match new_gate(elab, signal) {
+        None => signal.clone(),
+        Some((alias, outside)) => {
+            scope.leaving.push(Leaving {
+                alias,
+                block,
+                reader: at.fragment,
+            });
+            outside
         }
-        wire
-    }
+    };
+    wire.iter().map(&mut leaf).collect()
+}
 
-    /// Adds a node for each leaf that is read, at the position of the reader.
-    fn reads(&mut self, scope: &Scope<'u>, flow: FlowId, wire: &Wire, at: At, span: Span) -> Wire {
-        let scalars = leaf_scalars(&scope.unit.flow(flow).ty).into_iter();
-        let leaves = scalars.zip(&**wire).map(|(scalar, signal)| match signal {
-            Signal::Port(port) => self.passing_on(*port, scalar, at.fragment, span),
-            other => other.clone(),
-        });
-        leaves.collect()
+/// Returns the leaves of fragment `from` for a reader in fragment `reader`.
+pub(in crate::elab) fn gate_wire(
+    elab: &mut Elab<'_>,
+    wire: &Wire,
+    from: FragmentId,
+    reader: FragmentId,
+) -> Wire {
+    if elab.mode == Mode::Constant || !is_gated(elab, from, reader) {
+        return wire.clone();
     }
-
-    fn wire_read(&mut self, scope: &mut Scope<'u>, flow: FlowId, wire: Wire, at: At) -> Wire {
-        let block = scope.unit.flow(flow).block;
-        let wire = self.read_inside(scope, block, wire, at.fragment);
-        if self.mode == Mode::Constant || block == BlockId::ROOT {
-            return wire;
+    let mut leaf = |signal: &Signal| match new_gate(elab, signal) {
+        None => signal.clone(),
+        Some((alias, outside)) => {
+            elab.gates.insert(alias, from);
+            outside
         }
-        if let Some(from) = scope.fragment(block) {
-            return self.leaving(&wire, from, at.fragment);
-        }
-        let mut leaf = |signal: &Signal| match self.gate(signal) {
-            None => signal.clone(),
-            Some((alias, outside)) => {
-                scope.leaving.push(Leaving {
-                    alias,
-                    block,
-                    reader: at.fragment,
-                });
-                outside
-            }
-        };
-        wire.iter().map(&mut leaf).collect()
-    }
+    };
+    wire.iter().map(&mut leaf).collect()
+}
 
-    /// Returns the leaves of fragment `from` for a reader in fragment `reader`.
-    pub(in crate::elab) fn leaving(
-        &mut self,
-        wire: &Wire,
-        from: FragmentId,
-        reader: FragmentId,
-    ) -> Wire {
-        if self.mode == Mode::Constant || !self.is_gated(from, reader) {
-            return wire.clone();
-        }
-        let mut leaf = |signal: &Signal| match self.gate(signal) {
-            None => signal.clone(),
-            Some((alias, outside)) => {
-                self.gates.insert(alias, from);
-                outside
-            }
-        };
-        wire.iter().map(&mut leaf).collect()
-    }
-
-    /// Assigns the pending leaves to their fragments, which all exist now.
-    pub(in crate::elab) fn find_gates(&mut self, scope: &mut Scope<'u>) {
-        for leaf in std::mem::take(&mut scope.leaving) {
-            let from = scope.fragment(leaf.block);
-            if let Some(from) = from.filter(|from| self.is_gated(*from, leaf.reader)) {
-                self.gates.insert(leaf.alias, from);
-            }
-        }
-    }
-
-    /// Creates a gate alias for a leaf that may turn out not to be computed in its fragment.
-    fn gate(&mut self, signal: &Signal) -> Option<(usize, Signal)> {
-        let scalar = match signal {
-            Signal::Const(value) => match value.ty()? {
-                Type::One(scalar) => scalar,
-                _ => return None,
-            },
-            Signal::Port(port) => match alias_of(*port) {
-                Some(alias) => self.alias_types[alias],
-                None => self.scalar_of(*port)?,
-            },
-            Signal::Element(..) | Signal::Absent => return None,
-        };
-        let port = self.new_alias(scalar);
-        let alias = alias_of(port)?;
-        self.aliases[alias] = Some(signal.clone());
-        Some((alias, Signal::Port(port)))
-    }
-
-    /// Returns whether fragment `from` may be inactive while fragment `reader` is active.
-    fn is_gated(&self, from: FragmentId, reader: FragmentId) -> bool {
-        let inside = self.net.enclosing(from);
-        let mut inside = inside.take_while(|f| self.net.enclosing(reader).all(|r| r != *f));
-        inside.any(|f| matches!(self.net.fragment(f).activation, Activation::When { .. }))
-    }
-
-    /// Returns the signal of a resolved gate alias: a node in the fragment if the signal is a constant or computed
-    /// elsewhere.
-    pub(in crate::elab) fn behind_gate(&mut self, alias: usize, signal: Signal) -> Signal {
-        let Some(&from) = self.gates.get(&alias) else {
-            return signal;
-        };
-        let scalar = self.alias_types[alias];
-        match signal {
-            Signal::Const(_) => {
-                let port = self.port_of(&signal, scalar, At::fragment(from), Span::NONE);
-                port.map_or(signal, Signal::Port)
-            }
-            Signal::Port(port) if !self.is_made_in(port, from) => {
-                self.passing_on(port, scalar, from, Span::NONE)
-            }
-            other => other,
+/// Assigns the pending leaves to their fragments, which all exist now.
+pub(in crate::elab) fn assign_pending_gates<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>) {
+    for leaf in std::mem::take(&mut scope.leaving) {
+        let from = scope.fragment(leaf.block);
+        if let Some(from) = from.filter(|from| is_gated(elab, *from, leaf.reader)) {
+            elab.gates.insert(leaf.alias, from);
         }
     }
+}
 
-    pub(in crate::elab) fn is_made_in(&self, port: PortRef, fragment: FragmentId) -> bool {
-        let maker = self.net.node(port.node).fragment;
-        self.net.enclosing(maker).any(|f| f == fragment)
-    }
+/// Creates a gate alias for a leaf that may turn out not to be computed in its fragment.
+fn new_gate(elab: &mut Elab<'_>, signal: &Signal) -> Option<(usize, Signal)> {
+    let scalar = match signal {
+        Signal::Const(value) => match value.ty()? {
+            Type::One(scalar) => scalar,
+            _ => return None,
+        },
+        Signal::Port(port) => match alias_of(*port) {
+            Some(alias) => elab.alias_types[alias],
+            None => scalar_of(elab, *port)?,
+        },
+        Signal::Element(..) | Signal::Absent => return None,
+    };
+    let port = nodes::new_alias(elab, scalar);
+    let alias = alias_of(port)?;
+    elab.aliases[alias] = Some(signal.clone());
+    Some((alias, Signal::Port(port)))
+}
 
-    /// Returns the machine type of a port with one leaf.
-    fn scalar_of(&self, port: PortRef) -> Option<Scalar> {
-        match self
-            .net
-            .node(port.node)
-            .outputs
-            .get(usize::from(port.port))?
-        {
-            Type::One(scalar) => Some(*scalar),
-            _ => None,
+/// Returns whether fragment `from` may be inactive while fragment `reader` is active.
+fn is_gated(elab: &Elab<'_>, from: FragmentId, reader: FragmentId) -> bool {
+    let inside = elab.net.enclosing(from);
+    let mut inside = inside.take_while(|f| elab.net.enclosing(reader).all(|r| r != *f));
+    inside.any(|f| matches!(elab.net.fragment(f).activation, Activation::When { .. }))
+}
+
+/// Returns the signal of a resolved gate alias: a node in the fragment if the signal is a constant or computed
+/// elsewhere.
+pub(in crate::elab) fn resolve_gate(elab: &mut Elab<'_>, alias: usize, signal: Signal) -> Signal {
+    let Some(&from) = elab.gates.get(&alias) else {
+        return signal;
+    };
+    let scalar = elab.alias_types[alias];
+    match signal {
+        Signal::Const(_) => {
+            let port = pack::port_of(elab, &signal, scalar, At::fragment(from), Span::NONE);
+            port.map_or(signal, Signal::Port)
         }
+        Signal::Port(port) if !is_computed_in(elab, port, from) => {
+            nodes::add_copy(elab, port, scalar, from, Span::NONE)
+        }
+        other => other,
+    }
+}
+
+pub(in crate::elab) fn is_computed_in(
+    elab: &Elab<'_>,
+    port: PortRef,
+    fragment: FragmentId,
+) -> bool {
+    let maker = elab.net.node(port.node).fragment;
+    elab.net.enclosing(maker).any(|f| f == fragment)
+}
+
+/// Returns the machine type of a port with one leaf.
+fn scalar_of(elab: &Elab<'_>, port: PortRef) -> Option<Scalar> {
+    match elab
+        .net
+        .node(port.node)
+        .outputs
+        .get(usize::from(port.port))?
+    {
+        Type::One(scalar) => Some(*scalar),
+        _ => None,
     }
 }

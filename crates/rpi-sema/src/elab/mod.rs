@@ -102,12 +102,14 @@ fn constant_with(
     for (flow, arg) in given.into_iter().flatten().zip(args) {
         let known: Wire = match (arg, unit.flow(flow).default) {
             (Argument::Value(leaves), _) => leaves.iter().cloned().map(Signal::Const).collect(),
-            (Argument::Default, Some(default)) => elab.expr(&mut scope, default, At::ROOT),
+            (Argument::Default, Some(default)) => {
+                expr::elab_expr(&mut elab, &mut scope, default, At::ROOT)
+            }
             _ => continue,
         };
         *scope.state(flow) = State::Known(known);
     }
-    let wire = elab.expr(&mut scope, id, At::ROOT);
+    let wire = expr::elab_expr(&mut elab, &mut scope, id, At::ROOT);
     if let Some(failure) = elab.failure.take() {
         return Err(failure);
     }

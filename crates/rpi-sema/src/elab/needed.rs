@@ -2,6 +2,11 @@
 //! decides, `??` if the left operand is absent. Operations in the right operand that can fault are guarded by that
 //! condition.
 
+use super::clocks;
+use super::each;
+use super::expr;
+use super::guarded;
+use super::nodes;
 use crate::elab::clocks::LeafPlaces;
 use crate::elab::each::reads_flows;
 use crate::elab::expr::leaf_scalars;
@@ -55,197 +60,217 @@ pub struct Operand {
     pub nodes: Range<u32>,
 }
 
-impl<'u> Elab<'u> {
-    /// Elaborates an operand that is not always needed, recording it if it contains state.
-    pub(in crate::elab) fn lazily(
-        &mut self,
-        scope: &mut Scope<'u>,
-        id: ExprId,
-        wire: impl FnOnce(&mut Self, &mut Scope<'u>) -> Wire,
-    ) -> Wire {
-        if self.mode != Mode::Net || !self.goes_on(scope, id) {
-            return wire(self, scope);
-        }
-        let number = |elab: &Self| u32::try_from(elab.net.nodes.len()).unwrap_or(u32::MAX);
-        let before = number(self);
-        let wire = wire(self, scope);
-        let nodes = before..number(self);
-        let span = scope.unit.expr(id).span;
-        self.operands.push(Operand { span, nodes });
-        wire
+/// Elaborates an operand that is not always needed, recording it if it contains state.
+pub(in crate::elab) fn lazy_operand<'u>(
+    elab: &mut Elab<'u>,
+    scope: &mut Scope<'u>,
+    id: ExprId,
+    wire: impl FnOnce(&mut Elab<'u>, &mut Scope<'u>) -> Wire,
+) -> Wire {
+    if elab.mode != Mode::Net || !guarded::contains_state(elab, scope, id) {
+        return wire(elab, scope);
     }
+    let number = |elab: &Elab| u32::try_from(elab.net.nodes.len()).unwrap_or(u32::MAX);
+    let before = number(elab);
+    let wire = wire(elab, scope);
+    let nodes = before..number(elab);
+    let span = scope.unit.expr(id).span;
+    elab.operands.push(Operand { span, nodes });
+    wire
+}
 
-    /// Elaborates `x and y`, `x or y` and `x => y` where y can fault or has state; none for all other primitives.
-    pub(in crate::elab) fn short_circuit(
-        &mut self,
-        scope: &mut Scope<'u>,
-        call: &'u PrimCall,
-        id: ExprId,
-        at: At,
-    ) -> Option<Wire> {
-        let span = scope.unit.expr(id).span;
-        let logic = Logic::of(call.prim)?;
-        let &[Some(left), Some(right)] = &call.inputs[..] else {
-            return None;
-        };
-        if self.mode != Mode::Constant
-            && !self.can_fault(scope, right)
-            && !self.goes_on(scope, right)
-        {
-            return None;
-        }
-        let first = self.operand(scope, [id, left], at);
-        if first == Signal::Const(Value::bool(logic.deciding())) && self.leaves(scope, right) {
-            return Some(single(Signal::Const(Value::bool(logic.decided()))));
-        }
-        let there = match self.mode != Mode::Constant && self.can_fault(scope, right) {
-            true => {
-                let needed = self.undecided(logic, &first, at, span);
-                self.guarded_by(needed, at, span)
-            }
-            false => at,
-        };
-        let second = self.lazily(scope, right, |elab, scope| {
-            elab.operand_wire(scope, [id, right], there)
-        });
-        let second = second.first().cloned().unwrap_or(Signal::Absent);
-        Some(single(self.simple(call.prim, &[first, second], at, span)))
+/// Elaborates `x and y`, `x or y` and `x => y` where y can fault or has state; none for all other primitives.
+pub(in crate::elab) fn short_circuit<'u>(
+    elab: &mut Elab<'u>,
+    scope: &mut Scope<'u>,
+    call: &'u PrimCall,
+    id: ExprId,
+    at: At,
+) -> Option<Wire> {
+    let span = scope.unit.expr(id).span;
+    let logic = Logic::of(call.prim)?;
+    let &[Some(left), Some(right)] = &call.inputs[..] else {
+        return None;
+    };
+    if elab.mode != Mode::Constant
+        && !guarded::elab_can_fault(elab, scope, right)
+        && !guarded::contains_state(elab, scope, right)
+    {
+        return None;
     }
-
-    /// Returns whether an operand that is never needed can be left out.
-    fn leaves(&mut self, scope: &Scope<'u>, operand: ExprId) -> bool {
-        self.mode == Mode::Constant
-            || !self.goes_on(scope, operand) && self.drops(reads_flows(scope.unit, operand))
+    let first = expr::elab_operand(elab, scope, [id, left], at);
+    if first == Signal::Const(Value::bool(logic.deciding())) && can_drop_operand(elab, scope, right)
+    {
+        return Some(single(Signal::Const(Value::bool(logic.decided()))));
     }
-
-    /// Returns the condition that the left operand does not decide the result. An absent operand does not decide.
-    fn undecided(&mut self, logic: Logic, left: &Signal, at: At, span: Span) -> Signal {
-        let deciding = logic.deciding();
-        let left = match left {
-            Signal::Const(_) => left.clone(),
-            Signal::Absent => Signal::Const(Value::bool(!deciding)),
-            _ => {
-                let otherwise = Signal::Const(Value::bool(!deciding));
-                let inputs = [left.clone(), otherwise];
-                self.family(Family::Coalesce, Scalar::Bool, &inputs, at, span)
-            }
-        };
-        match deciding {
-            true => self.simple(prim!("Core::BooleanNot"), &[left], at, span),
-            false => left,
+    let there = match elab.mode != Mode::Constant && guarded::elab_can_fault(elab, scope, right) {
+        true => {
+            let needed = undecided_condition(elab, logic, &first, at, span);
+            each::with_guard(elab, needed, at, span)
         }
-    }
+        false => at,
+    };
+    let second = lazy_operand(elab, scope, right, |elab, scope| {
+        clocks::operand_wire(elab, scope, [id, right], there)
+    });
+    let second = second.first().cloned().unwrap_or(Signal::Absent);
+    Some(single(nodes::add_simple(
+        elab,
+        call.prim,
+        &[first, second],
+        at,
+        span,
+    )))
+}
 
-    /// Elaborates `x ?? y`.
-    pub(in crate::elab) fn choice_by_presence(
-        &mut self,
-        scope: &mut Scope<'u>,
-        [id, a, b]: [ExprId; 3],
-        at: At,
-    ) -> Wire {
-        let unit = scope.unit;
-        let (scalars, span) = (leaf_scalars(&unit.expr(id).ty), unit.expr(id).span);
-        let first = self.read_each(scope, [id, a], scalars.len(), at);
-        let places = self.leaf_places(scope, id, at);
-        let is_of_one_clock = matches!(places, LeafPlaces::All(_)) && self.mode != Mode::Constant;
-        let second = match is_of_one_clock && self.can_fault(scope, b) {
-            true => {
-                let absent = first.iter().zip(&scalars).enumerate();
-                let absent: Vec<Signal> = absent
-                    .map(|(k, (leaf, scalar))| self.is_absent(leaf, *scalar, places.at(k), span))
-                    .collect();
-                self.where_absent(scope, [id, b], &absent, at)
-            }
-            false => self.lazily(scope, b, |elab, scope| {
-                elab.read_each(scope, [id, b], scalars.len(), at)
-            }),
-        };
-        let leaves = first.iter().zip(second.iter()).zip(scalars).enumerate();
-        leaves
-            .map(|(k, ((a, b), scalar))| {
-                self.coalesce(a.clone(), b.clone(), scalar, places.at(k), span)
-            })
-            .collect()
-    }
+/// Returns whether an operand that is never needed can be left out.
+fn can_drop_operand<'u>(elab: &mut Elab<'u>, scope: &Scope<'u>, operand: ExprId) -> bool {
+    elab.mode == Mode::Constant
+        || !guarded::contains_state(elab, scope, operand)
+            && expr::drops_dead_code(elab, reads_flows(scope.unit, operand))
+}
 
-    /// Elaborates the right operand of `??`, or a part of it. `absent` says for each leaf whether the left operand is
-    /// absent. Each part of a composite built in place is guarded by the condition of its own leaves.
-    fn where_absent(
-        &mut self,
-        scope: &mut Scope<'u>,
-        [reader, id]: [ExprId; 2],
-        absent: &[Signal],
-        at: At,
-    ) -> Wire {
-        let unit = scope.unit;
-        let expr = unit.expr(id);
-        let is_one = absent.iter().all(|leaf| *leaf == absent[0]);
-        if let Kind::Build(parts) = &expr.kind
-            && !is_one
-            && self.clocked_facts(scope).is_none()
-        {
-            let mut rest = absent;
-            let mut leaves = Vec::with_capacity(absent.len());
-            for part in parts {
-                let count = unit.expr(*part).ty.leaf_count().min(rest.len());
-                let (own, others) = rest.split_at(count);
-                let wire = self.where_absent(scope, [reader, *part], own, at);
-                leaves.extend_from_slice(&wire);
-                rest = others;
-            }
-            return leaves.into();
+/// Returns the condition that the left operand does not decide the result. An absent operand does not decide.
+fn undecided_condition(
+    elab: &mut Elab<'_>,
+    logic: Logic,
+    left: &Signal,
+    at: At,
+    span: Span,
+) -> Signal {
+    let deciding = logic.deciding();
+    let left = match left {
+        Signal::Const(_) => left.clone(),
+        Signal::Absent => Signal::Const(Value::bool(!deciding)),
+        _ => {
+            let otherwise = Signal::Const(Value::bool(!deciding));
+            let inputs = [left.clone(), otherwise];
+            nodes::add_family_member(elab, Family::Coalesce, Scalar::Bool, &inputs, at, span)
         }
-        let needed = self.any_of(absent, at, expr.span);
-        let there = match needed == Signal::Const(Value::bool(true)) {
-            true => at,
-            false => self.guarded_by(needed, at, expr.span),
-        };
-        self.lazily(scope, id, |elab, scope| {
-            elab.read_each(scope, [reader, id], absent.len(), there)
+    };
+    match deciding {
+        true => nodes::add_simple(elab, prim!("Core::BooleanNot"), &[left], at, span),
+        false => left,
+    }
+}
+
+/// Elaborates `x ?? y`.
+pub(in crate::elab) fn coalesce_operands<'u>(
+    elab: &mut Elab<'u>,
+    scope: &mut Scope<'u>,
+    [id, a, b]: [ExprId; 3],
+    at: At,
+) -> Wire {
+    let unit = scope.unit;
+    let (scalars, span) = (leaf_scalars(&unit.expr(id).ty), unit.expr(id).span);
+    let first = clocks::read_leaves(elab, scope, [id, a], scalars.len(), at);
+    let places = clocks::leaf_places(elab, scope, id, at);
+    let is_of_one_clock = matches!(places, LeafPlaces::All(_)) && elab.mode != Mode::Constant;
+    let second = match is_of_one_clock && guarded::elab_can_fault(elab, scope, b) {
+        true => {
+            let absent = first.iter().zip(&scalars).enumerate();
+            let absent: Vec<Signal> = absent
+                .map(|(k, (leaf, scalar))| is_absent(elab, leaf, *scalar, places.at(k), span))
+                .collect();
+            where_absent(elab, scope, [id, b], &absent, at)
+        }
+        false => lazy_operand(elab, scope, b, |elab, scope| {
+            clocks::read_leaves(elab, scope, [id, b], scalars.len(), at)
+        }),
+    };
+    let leaves = first.iter().zip(second.iter()).zip(scalars).enumerate();
+    leaves
+        .map(|(k, ((a, b), scalar))| {
+            coalesce_leaf(elab, a.clone(), b.clone(), scalar, places.at(k), span)
         })
-    }
+        .collect()
+}
 
-    /// Returns the disjunction of conditions that are never absent.
-    fn any_of(&mut self, conditions: &[Signal], at: At, span: Span) -> Signal {
-        let mut any = Signal::Const(Value::bool(false));
-        for (k, condition) in conditions.iter().enumerate() {
-            any = match (&any, condition) {
-                (Signal::Const(known), one) if known.as_bool() == Some(false) => one.clone(),
-                (Signal::Const(_), _) => any,
-                (_, Signal::Const(known)) if known.as_bool() == Some(false) => any,
-                _ if k > 0 && conditions[k - 1] == *condition => any,
-                _ => self.simple(
-                    prim!("Core::BooleanOr"),
-                    &[any, condition.clone()],
-                    at,
-                    span,
-                ),
-            };
+/// Elaborates the right operand of `??`, or a part of it. `absent` says for each leaf whether the left operand is
+/// absent. Each part of a composite built in place is guarded by the condition of its own leaves.
+fn where_absent<'u>(
+    elab: &mut Elab<'u>,
+    scope: &mut Scope<'u>,
+    [reader, id]: [ExprId; 2],
+    absent: &[Signal],
+    at: At,
+) -> Wire {
+    let unit = scope.unit;
+    let expr = unit.expr(id);
+    let is_one = absent.iter().all(|leaf| *leaf == absent[0]);
+    if let Kind::Build(parts) = &expr.kind
+        && !is_one
+        && clocks::clocked_facts(elab, scope).is_none()
+    {
+        let mut rest = absent;
+        let mut leaves = Vec::with_capacity(absent.len());
+        for part in parts {
+            let count = unit.expr(*part).ty.leaf_count().min(rest.len());
+            let (own, others) = rest.split_at(count);
+            let wire = where_absent(elab, scope, [reader, *part], own, at);
+            leaves.extend_from_slice(&wire);
+            rest = others;
         }
-        any
+        return leaves.into();
     }
+    let needed = any_of(elab, absent, at, expr.span);
+    let there = match needed == Signal::Const(Value::bool(true)) {
+        true => at,
+        false => each::with_guard(elab, needed, at, expr.span),
+    };
+    lazy_operand(elab, scope, id, |elab, scope| {
+        clocks::read_leaves(elab, scope, [reader, id], absent.len(), there)
+    })
+}
 
-    fn is_absent(&mut self, leaf: &Signal, scalar: Scalar, at: At, span: Span) -> Signal {
-        match leaf {
-            Signal::Const(_) => Signal::Const(Value::bool(false)),
-            Signal::Absent => Signal::Const(Value::bool(true)),
-            _ => self.family(Family::IsNull, scalar, std::slice::from_ref(leaf), at, span),
-        }
+/// Returns the disjunction of conditions that are never absent.
+fn any_of(elab: &mut Elab<'_>, conditions: &[Signal], at: At, span: Span) -> Signal {
+    let mut any = Signal::Const(Value::bool(false));
+    for (k, condition) in conditions.iter().enumerate() {
+        any = match (&any, condition) {
+            (Signal::Const(known), one) if known.as_bool() == Some(false) => one.clone(),
+            (Signal::Const(_), _) => any,
+            (_, Signal::Const(known)) if known.as_bool() == Some(false) => any,
+            _ if k > 0 && conditions[k - 1] == *condition => any,
+            _ => nodes::add_simple(
+                elab,
+                prim!("Core::BooleanOr"),
+                &[any, condition.clone()],
+                at,
+                span,
+            ),
+        };
     }
-    /// Elaborates one leaf of `x ?? y`.
-    fn coalesce(
-        &mut self,
-        first: Signal,
-        second: Signal,
-        scalar: Scalar,
-        at: At,
-        span: Span,
-    ) -> Signal {
-        match (&first, &second) {
-            (Signal::Const(_), Signal::Port(_)) if self.drops(true) => first,
-            (Signal::Const(_), Signal::Const(_)) | (_, Signal::Absent) => first,
-            (Signal::Absent, _) => second,
-            _ => self.family(Family::Coalesce, scalar, &[first, second], at, span),
-        }
+    any
+}
+
+fn is_absent(elab: &mut Elab<'_>, leaf: &Signal, scalar: Scalar, at: At, span: Span) -> Signal {
+    match leaf {
+        Signal::Const(_) => Signal::Const(Value::bool(false)),
+        Signal::Absent => Signal::Const(Value::bool(true)),
+        _ => nodes::add_family_member(
+            elab,
+            Family::IsNull,
+            scalar,
+            std::slice::from_ref(leaf),
+            at,
+            span,
+        ),
+    }
+}
+/// Elaborates one leaf of `x ?? y`.
+fn coalesce_leaf(
+    elab: &mut Elab<'_>,
+    first: Signal,
+    second: Signal,
+    scalar: Scalar,
+    at: At,
+    span: Span,
+) -> Signal {
+    match (&first, &second) {
+        (Signal::Const(_), Signal::Port(_)) if expr::drops_dead_code(elab, true) => first,
+        (Signal::Const(_), Signal::Const(_)) | (_, Signal::Absent) => first,
+        (Signal::Absent, _) => second,
+        _ => nodes::add_family_member(elab, Family::Coalesce, scalar, &[first, second], at, span),
     }
 }

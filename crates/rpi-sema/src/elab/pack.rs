@@ -1,5 +1,7 @@
 //! Arrays at the ports of primitives: packs leaves, extracts elements, and passes whole arrays on directly.
 
+use super::nodes;
+use super::promise;
 use crate::elab::families::{Family, member};
 use crate::elab::signal::{Signal, alias_of};
 use crate::elab::{At, Elab};
@@ -10,198 +12,225 @@ use rpi_net::{Input, Inputs, PortRef, Types};
 use rpi_prims::PrimId;
 use smallvec::smallvec;
 
-impl Elab<'_> {
-    /// Returns the input of a port of type `ty` for the given leaves.
-    pub(in crate::elab) fn input(
-        &mut self,
-        wire: &[Signal],
-        ty: Type,
-        at: At,
-        span: Span,
-    ) -> Input {
-        match (ty, wire.first()) {
-            (Type::One(_), None) => Input::Open,
-            (Type::One(scalar), Some(signal)) => self.one_input(signal, scalar, at, span),
-            (Type::Array(..) | Type::Matrix(..), _) => self.array_input(wire, ty, at, span),
-        }
+/// Returns the input of a port of type `ty` for the given leaves.
+pub(in crate::elab) fn elab_input(
+    elab: &mut Elab<'_>,
+    wire: &[Signal],
+    ty: Type,
+    at: At,
+    span: Span,
+) -> Input {
+    match (ty, wire.first()) {
+        (Type::One(_), None) => Input::Open,
+        (Type::One(scalar), Some(signal)) => one_input(elab, signal, scalar, at, span),
+        (Type::Array(..) | Type::Matrix(..), _) => array_input(elab, wire, ty, at, span),
     }
+}
 
-    pub(in crate::elab) fn one_input(
-        &mut self,
-        signal: &Signal,
-        scalar: Scalar,
-        at: At,
-        span: Span,
-    ) -> Input {
-        match signal {
-            Signal::Const(value) => Input::constant(value.clone()),
-            Signal::Port(port) => Input::Port(*port),
-            Signal::Element(port, k) => Input::Port(self.element(*port, *k, span)),
-            Signal::Absent => match self.absent(scalar, at, span) {
-                Some(port) => Input::Port(port),
-                None => Input::Open,
-            },
-        }
-    }
-
-    /// Adds a flow that is never present.
-    pub(in crate::elab) fn absent(
-        &mut self,
-        scalar: Scalar,
-        at: At,
-        span: Span,
-    ) -> Option<PortRef> {
-        let prim = member(Family::SetNull, scalar)?;
-        let value = Input::constant(Value::neutral(Type::One(scalar)));
-        let inputs = smallvec![value, Input::constant(Value::bool(true))];
-        let params = crate::elab::nodes::default_params(prim);
-        let node = self.node(
-            prim,
-            inputs,
-            params,
-            Types::from([Type::One(scalar)]),
-            at.fragment,
-            span,
-        );
-        Some(PortRef { node, port: 0 })
-    }
-
-    /// Returns the port of one element of an array port. The element is extracted once, in the fragment of the array.
-    pub(in crate::elab) fn element(&mut self, array: PortRef, k: u32, span: Span) -> PortRef {
-        if let Some(port) = self.elements.get(&(array, k)) {
-            return *port;
-        }
-        let source = self.net.node(array.node);
-        let (fragment, ty) = (
-            source.fragment,
-            source.outputs.get(usize::from(array.port)).copied(),
-        );
-        let port = ty.and_then(|ty| self.take(array, ty, k, At::fragment(fragment), span));
-        let port = port.unwrap_or(array);
-        self.elements.insert((array, k), port);
-        port
-    }
-
-    /// Adds a primitive that extracts one element of an array.
-    fn take(&mut self, array: PortRef, ty: Type, k: u32, at: At, span: Span) -> Option<PortRef> {
-        let (prim, scalar, mut given) = match ty {
-            Type::One(_) => return None,
-            Type::Array(scalar, n) => {
-                let get = member(Family::ArrayGet, scalar)?;
-                (get, scalar, vec![("Size", n)])
-            }
-            Type::Matrix(..) => (prim!("Core::MatrixGet"), Scalar::Real, Vec::new()),
-        };
-        given.extend(place(ty, k));
-        let (inputs, params) = (smallvec![Input::Port(array)], sized_params(prim, &given));
-        let outputs = Types::from([Type::One(scalar)]);
-        let node = self.node(prim, inputs, params, outputs, at.fragment, span);
-        Some(PortRef { node, port: 0 })
-    }
-
-    /// Returns an array as one input. If some leaves are unresolved aliases, packing is deferred to the end, because
-    /// the leaves may turn out to be the elements of an existing array.
-    fn array_input(&mut self, wire: &[Signal], ty: Type, at: At, span: Span) -> Input {
-        let is_open = |signal: &Signal| matches!(signal, Signal::Port(p) if alias_of(*p).is_some());
-        if wire.iter().any(is_open) {
-            return Input::Port(self.promise(wire.into(), ty, at, span));
-        }
-        self.settled_array(wire, ty, at, span)
-    }
-
-    /// Returns an array whose leaves are resolved.
-    pub(in crate::elab) fn settled_array(
-        &mut self,
-        wire: &[Signal],
-        ty: Type,
-        at: At,
-        span: Span,
-    ) -> Input {
-        if let Some(port) = self.whole(wire, ty) {
-            return Input::Port(port);
-        }
-        if let Some(values) = wire.iter().map(constant).collect::<Option<Vec<Value>>>() {
-            let cells = values.iter().flat_map(|leaf| leaf.cells()).copied();
-            return Input::constant(Value::Cells {
-                ty,
-                cells: cells.collect(),
-            });
-        }
-        match self.array_of(wire, ty, at, span) {
+pub(in crate::elab) fn one_input(
+    elab: &mut Elab<'_>,
+    signal: &Signal,
+    scalar: Scalar,
+    at: At,
+    span: Span,
+) -> Input {
+    match signal {
+        Signal::Const(value) => Input::constant(value.clone()),
+        Signal::Port(port) => Input::Port(*port),
+        Signal::Element(port, k) => Input::Port(elab_element(elab, *port, *k, span)),
+        Signal::Absent => match absent_leaves(elab, scalar, at, span) {
             Some(port) => Input::Port(port),
             None => Input::Open,
+        },
+    }
+}
+
+/// Adds a flow that is never present.
+pub(in crate::elab) fn absent_leaves(
+    elab: &mut Elab<'_>,
+    scalar: Scalar,
+    at: At,
+    span: Span,
+) -> Option<PortRef> {
+    let prim = member(Family::SetNull, scalar)?;
+    let value = Input::constant(Value::neutral(Type::One(scalar)));
+    let inputs = smallvec![value, Input::constant(Value::bool(true))];
+    let params = crate::elab::nodes::default_params(prim);
+    let node = nodes::add_node(
+        elab,
+        prim,
+        inputs,
+        params,
+        Types::from([Type::One(scalar)]),
+        at.fragment,
+        span,
+    );
+    Some(PortRef { node, port: 0 })
+}
+
+/// Returns the port of one element of an array port. The element is extracted once, in the fragment of the array.
+pub(in crate::elab) fn elab_element(
+    elab: &mut Elab<'_>,
+    array: PortRef,
+    k: u32,
+    span: Span,
+) -> PortRef {
+    if let Some(port) = elab.elements.get(&(array, k)) {
+        return *port;
+    }
+    let source = elab.net.node(array.node);
+    let (fragment, ty) = (
+        source.fragment,
+        source.outputs.get(usize::from(array.port)).copied(),
+    );
+    let port = ty.and_then(|ty| extract_element(elab, array, ty, k, At::fragment(fragment), span));
+    let port = port.unwrap_or(array);
+    elab.elements.insert((array, k), port);
+    port
+}
+
+/// Adds a primitive that extracts one element of an array.
+fn extract_element(
+    elab: &mut Elab<'_>,
+    array: PortRef,
+    ty: Type,
+    k: u32,
+    at: At,
+    span: Span,
+) -> Option<PortRef> {
+    let (prim, scalar, mut given) = match ty {
+        Type::One(_) => return None,
+        Type::Array(scalar, n) => {
+            let get = member(Family::ArrayGet, scalar)?;
+            (get, scalar, vec![("Size", n)])
         }
-    }
+        Type::Matrix(..) => (prim!("Core::MatrixGet"), Scalar::Real, Vec::new()),
+    };
+    given.extend(place(ty, k));
+    let (inputs, params) = (smallvec![Input::Port(array)], sized_params(prim, &given));
+    let outputs = Types::from([Type::One(scalar)]);
+    let node = nodes::add_node(elab, prim, inputs, params, outputs, at.fragment, span);
+    Some(PortRef { node, port: 0 })
+}
 
-    /// Returns the port of type `ty` whose elements are exactly these leaves, in order.
-    fn whole(&self, wire: &[Signal], ty: Type) -> Option<PortRef> {
-        let Some(Signal::Element(array, 0)) = wire.first() else {
-            return None;
-        };
-        let in_order = (0..)
-            .zip(wire.iter())
-            .all(|(k, s)| *s == Signal::Element(*array, k));
-        let outputs = &self.net.node(array.node).outputs;
-        let same = outputs.get(usize::from(array.port)) == Some(&ty);
-        (in_order && same && wire.len() == elements(ty)).then_some(*array)
+/// Returns an array as one input. If some leaves are unresolved aliases, packing is deferred to the end, because
+/// the leaves may turn out to be the elements of an existing array.
+fn array_input(elab: &mut Elab<'_>, wire: &[Signal], ty: Type, at: At, span: Span) -> Input {
+    let is_open = |signal: &Signal| matches!(signal, Signal::Port(p) if alias_of(*p).is_some());
+    if wire.iter().any(is_open) {
+        return Input::Port(promise::defer_array(elab, wire.into(), ty, at, span));
     }
+    resolved_array(elab, wire, ty, at, span)
+}
 
-    /// Creates an array and fills it element by element.
-    fn array_of(&mut self, wire: &[Signal], ty: Type, at: At, span: Span) -> Option<PortRef> {
-        let Maker {
-            make,
-            sizes,
+/// Returns an array whose leaves are resolved.
+pub(in crate::elab) fn resolved_array(
+    elab: &mut Elab<'_>,
+    wire: &[Signal],
+    ty: Type,
+    at: At,
+    span: Span,
+) -> Input {
+    if let Some(port) = existing_array(elab, wire, ty) {
+        return Input::Port(port);
+    }
+    if let Some(values) = wire.iter().map(constant).collect::<Option<Vec<Value>>>() {
+        let cells = values.iter().flat_map(|leaf| leaf.cells()).copied();
+        return Input::constant(Value::Cells {
+            ty,
+            cells: cells.collect(),
+        });
+    }
+    match build_array(elab, wire, ty, at, span) {
+        Some(port) => Input::Port(port),
+        None => Input::Open,
+    }
+}
+
+/// Returns the port of type `ty` whose elements are exactly these leaves, in order.
+fn existing_array(elab: &Elab<'_>, wire: &[Signal], ty: Type) -> Option<PortRef> {
+    let Some(Signal::Element(array, 0)) = wire.first() else {
+        return None;
+    };
+    let in_order = (0..)
+        .zip(wire.iter())
+        .all(|(k, s)| *s == Signal::Element(*array, k));
+    let outputs = &elab.net.node(array.node).outputs;
+    let same = outputs.get(usize::from(array.port)) == Some(&ty);
+    (in_order && same && wire.len() == elements(ty)).then_some(*array)
+}
+
+/// Creates an array and fills it element by element.
+fn build_array(
+    elab: &mut Elab<'_>,
+    wire: &[Signal],
+    ty: Type,
+    at: At,
+    span: Span,
+) -> Option<PortRef> {
+    let Maker {
+        make,
+        sizes,
+        set,
+        scalar,
+    } = Maker::of(ty)?;
+    let params = sized_params(make, &sizes);
+    let node = nodes::add_node(
+        elab,
+        make,
+        Inputs::new(),
+        params,
+        Types::from([ty]),
+        at.fragment,
+        span,
+    );
+    let mut array = PortRef { node, port: 0 };
+    for (k, signal) in (0..).zip(wire.iter()) {
+        let value = one_input(elab, signal, scalar, at, span);
+        let mut given = sizes.clone();
+        given.extend(place(ty, k));
+        let params = sized_params(set, &given);
+        let inputs = smallvec![Input::Port(array), value];
+        let node = nodes::add_node(
+            elab,
             set,
-            scalar,
-        } = Maker::of(ty)?;
-        let params = sized_params(make, &sizes);
-        let node = self.node(
-            make,
-            Inputs::new(),
+            inputs,
             params,
             Types::from([ty]),
             at.fragment,
             span,
         );
-        let mut array = PortRef { node, port: 0 };
-        for (k, signal) in (0..).zip(wire.iter()) {
-            let value = self.one_input(signal, scalar, at, span);
-            let mut given = sizes.clone();
-            given.extend(place(ty, k));
-            let params = sized_params(set, &given);
-            let inputs = smallvec![Input::Port(array), value];
-            let node = self.node(set, inputs, params, Types::from([ty]), at.fragment, span);
-            array = PortRef { node, port: 0 };
-        }
-        Some(array)
+        array = PortRef { node, port: 0 };
     }
+    Some(array)
+}
 
-    /// Returns the port of a signal, for inputs that accept only ports.
-    pub(in crate::elab) fn port_of(
-        &mut self,
-        signal: &Signal,
-        scalar: Scalar,
-        at: At,
-        span: Span,
-    ) -> Option<PortRef> {
-        match signal {
-            Signal::Const(value) => {
-                let prim = member(Family::Value, scalar)?;
-                let node = self.node(
-                    prim,
-                    Inputs::new(),
-                    vec![value.clone()],
-                    Types::from([Type::One(scalar)]),
-                    at.fragment,
-                    span,
-                );
-                Some(PortRef { node, port: 0 })
-            }
-            other => match self.one_input(other, scalar, at, span) {
-                Input::Port(port) => Some(port),
-                _ => None,
-            },
+/// Returns the port of a signal, for inputs that accept only ports.
+pub(in crate::elab) fn port_of(
+    elab: &mut Elab<'_>,
+    signal: &Signal,
+    scalar: Scalar,
+    at: At,
+    span: Span,
+) -> Option<PortRef> {
+    match signal {
+        Signal::Const(value) => {
+            let prim = member(Family::Value, scalar)?;
+            let node = nodes::add_node(
+                elab,
+                prim,
+                Inputs::new(),
+                vec![value.clone()],
+                Types::from([Type::One(scalar)]),
+                at.fragment,
+                span,
+            );
+            Some(PortRef { node, port: 0 })
         }
+        other => match one_input(elab, other, scalar, at, span) {
+            Input::Port(port) => Some(port),
+            _ => None,
+        },
     }
 }
 

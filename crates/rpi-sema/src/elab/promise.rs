@@ -3,6 +3,8 @@
 //! An array read from a block that is elaborated later, or along a dependency cycle, would otherwise be unpacked and
 //! packed again element by element, although it is only passed on.
 
+use super::nodes;
+use super::pack;
 use crate::elab::signal::{Signal, Wire, alias_of};
 use crate::elab::{At, Elab};
 use rpi_diag::Span;
@@ -18,49 +20,53 @@ pub(in crate::elab) struct Promise {
     span: Span,
 }
 
-impl Elab<'_> {
-    /// Defers an array of these leaves and returns the alias of the whole array.
-    pub(in crate::elab) fn promise(&mut self, wire: Wire, ty: Type, at: At, span: Span) -> PortRef {
-        // The alias refers to a whole array, so its type as a leaf is never used.
-        let alias = self.new_alias(Scalar::Bool);
-        self.promises.push(Promise {
-            alias,
-            wire,
-            ty,
-            at,
-            span,
-        });
-        alias
-    }
+/// Defers an array of these leaves and returns the alias of the whole array.
+pub(in crate::elab) fn defer_array(
+    elab: &mut Elab<'_>,
+    wire: Wire,
+    ty: Type,
+    at: At,
+    span: Span,
+) -> PortRef {
+    // The alias refers to a whole array, so its type as a leaf is never used.
+    let alias = nodes::new_alias(elab, Scalar::Bool);
+    elab.promises.push(Promise {
+        alias,
+        wire,
+        ty,
+        at,
+        span,
+    });
+    alias
+}
 
-    /// Returns the type of a deferred array.
-    pub(in crate::elab) fn promised_type(&self, alias: PortRef) -> Option<Type> {
-        let at = self.promises.binary_search_by_key(&alias, |p| p.alias);
-        at.ok().map(|at| self.promises[at].ty)
-    }
+/// Returns the type of a deferred array.
+pub(in crate::elab) fn deferred_type(elab: &Elab<'_>, alias: PortRef) -> Option<Type> {
+    let at = elab.promises.binary_search_by_key(&alias, |p| p.alias);
+    at.ok().map(|at| elab.promises[at].ty)
+}
 
-    /// Packs all deferred arrays. The aliases of their leaves must be resolved.
-    pub(in crate::elab) fn keep_promises(&mut self) {
-        for promise in std::mem::take(&mut self.promises) {
-            let leaf = |signal: &Signal| self.settled_leaf(signal);
-            let wire: Wire = promise.wire.iter().map(leaf).collect();
-            let input = self.settled_array(&wire, promise.ty, promise.at, promise.span);
-            if let Some(alias) = alias_of(promise.alias) {
-                self.aliases[alias] = match input {
-                    Input::Port(port) => Some(Signal::Port(port)),
-                    Input::Const(value) => Some(Signal::Const(*value)),
-                    Input::Open => None,
-                };
-            }
+/// Packs all deferred arrays. The aliases of their leaves must be resolved.
+pub(in crate::elab) fn pack_deferred_arrays(elab: &mut Elab<'_>) {
+    for promise in std::mem::take(&mut elab.promises) {
+        let leaf = |signal: &Signal| resolved_leaf(elab, signal);
+        let wire: Wire = promise.wire.iter().map(leaf).collect();
+        let input = pack::resolved_array(elab, &wire, promise.ty, promise.at, promise.span);
+        if let Some(alias) = alias_of(promise.alias) {
+            elab.aliases[alias] = match input {
+                Input::Port(port) => Some(Signal::Port(port)),
+                Input::Const(value) => Some(Signal::Const(*value)),
+                Input::Open => None,
+            };
         }
     }
+}
 
-    fn settled_leaf(&self, signal: &Signal) -> Signal {
-        let alias = match signal {
-            Signal::Port(port) => alias_of(*port),
-            _ => None,
-        };
-        let known = alias.and_then(|alias| self.aliases[alias].clone());
-        known.unwrap_or_else(|| signal.clone())
-    }
+fn resolved_leaf(elab: &Elab<'_>, signal: &Signal) -> Signal {
+    let alias = match signal {
+        Signal::Port(port) => alias_of(*port),
+        _ => None,
+    };
+    let known = alias.and_then(|alias| elab.aliases[alias].clone());
+    known.unwrap_or_else(|| signal.clone())
 }

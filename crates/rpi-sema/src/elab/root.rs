@@ -1,5 +1,18 @@
 //! Elaborates an entry point: a command, a test, or a node on its own.
 
+use super::allowance;
+use super::block;
+use super::call;
+use super::clocks;
+use super::each;
+use super::expr;
+use super::flows;
+use super::leaving;
+use super::nodes;
+use super::pack;
+use super::settle;
+use super::subrange;
+use super::time;
 use crate::clocks::ClockId;
 use crate::elab::families::Family;
 use crate::elab::scope::{Scope, State};
@@ -143,30 +156,30 @@ impl<'u, 'a> Job<'u, 'a> {
     fn run(&self, mode: Mode) -> Elaborated {
         let mut elab = Elab::new(self.units, self.facts, mode);
         elab.claims = self.claims;
-        elab.pay_for(self.id);
+        allowance::credit_text(&mut elab, self.id);
         let unit = &self.units[self.id.0 as usize];
         elab.tells_landmarks = unit.kind == UnitKind::Test;
         elab.net.name = unit.name.to_string();
-        elab.make_room(unit);
+        reserve_nodes(&mut elab, unit);
         let root = &mut elab.net.fragments[0];
         root.budget_ns = unit.block(BlockId::ROOT).budget_ns;
         root.origin.span = unit.span;
         let mut scope = Scope::new(unit, self.id);
-        let unknown = elab.parameters(&mut scope, self.args);
-        let inputs = elab.inputs(&mut scope);
-        elab.body(&mut scope, At::ROOT);
-        let outputs = elab.outputs(&mut scope);
-        elab.exports(&mut scope);
-        elab.driver(&mut scope);
+        let unknown = elab_parameters(&mut elab, &mut scope, self.args);
+        let inputs = unit_inputs(&mut elab, &mut scope);
+        block::body(&mut elab, &mut scope, At::ROOT);
+        let outputs = unit_outputs(&mut elab, &mut scope);
+        exports(&mut elab, &mut scope);
+        driver(&mut elab, &mut scope);
         let claims = elab.watched.len();
         let locals = match self.locals {
-            true => elab.locals(&mut scope),
+            true => elab_locals(&mut elab, &mut scope),
             false => Vec::new(),
         };
         for (port, value) in unknown {
-            elab.bind_alias(port, &Signal::Const(value));
+            call::bind_alias(&mut elab, port, &Signal::Const(value));
         }
-        elab.settle();
+        settle::resolve_aliases(&mut elab);
         if elab.tells_landmarks {
             crate::elab::landmarks::tell_apart(&mut elab.net);
         }
@@ -186,335 +199,362 @@ impl<'u, 'a> Job<'u, 'a> {
     }
 }
 
-impl<'u> Elab<'u> {
-    /// Reserves memory for the nodes of a large unit. Most expressions need at most one node, and a state needs a few
-    /// more.
-    fn make_room(&mut self, unit: &Unit) {
-        const LARGE: usize = 10_000;
-        const OF_A_STATE: usize = 4;
-        let blocks = unit.blocks.len();
-        if unit.exprs.len() >= LARGE {
-            self.net
-                .nodes
-                .reserve(unit.exprs.len() + OF_A_STATE * blocks);
-            self.net.fragments.reserve(blocks);
-            self.expect_aliases(unit.flows.len());
-        }
+/// Reserves memory for the nodes of a large unit. Most expressions need at most one node, and a state needs a few
+/// more.
+fn reserve_nodes(elab: &mut Elab<'_>, unit: &Unit) {
+    const LARGE: usize = 10_000;
+    const OF_A_STATE: usize = 4;
+    let blocks = unit.blocks.len();
+    if unit.exprs.len() >= LARGE {
+        elab.net
+            .nodes
+            .reserve(unit.exprs.len() + OF_A_STATE * blocks);
+        elab.net.fragments.reserve(blocks);
+        nodes::reserve_aliases(elab, unit.flows.len());
     }
+}
 
-    /// Connects the parameters. Unknown ones become aliases of neutral values, which are returned and bound at the end.
-    fn parameters(
-        &mut self,
-        scope: &mut Scope<'u>,
-        args: &[Argument],
-    ) -> Vec<(rpi_net::PortRef, Value)> {
-        let unit = scope.unit;
-        let mut unknown = Vec::new();
-        let params = unit
-            .inputs
-            .iter()
-            .filter(|id| unit.flow(**id).role == FlowRole::Param);
-        for (k, flow) in params.enumerate() {
-            let declared = unit.flow(*flow);
-            let wire = match (args.get(k), declared.default, &declared.ty) {
-                (Some(Argument::Value(leaves)), ..) => {
-                    self.constants(leaves, &declared.ty, At::ROOT, declared.span)
-                }
-                (_, _, Ty::Device(_)) => {
-                    single(Signal::Const(Value::Str(declared.name.to_string())))
-                }
-                (_, Some(default), _) => self.expr(scope, default, At::ROOT),
-                _ => {
-                    let mut leaves = Vec::new();
-                    for scalar in crate::elab::expr::leaf_scalars(&declared.ty) {
-                        // A Boolean decides what can happen at all, so it must not be fixed: it becomes an external
-                        // input.
-                        if scalar == Scalar::Bool {
-                            leaves.push(self.outside(&declared.name, scalar, declared.span));
-                            continue;
-                        }
-                        let alias = self.new_alias(scalar);
-                        unknown.push((alias, Value::neutral(scalar.into())));
-                        leaves.push(Signal::Port(alias));
-                    }
-                    leaves.into()
-                }
-            };
-            *scope.state(*flow) = State::Known(wire);
-            self.outside_in_subranges(scope, *flow);
-        }
-        unknown
-    }
-
-    /// Elaborates the inputs of a node on its own and the values that a command takes over. They are set from outside
-    /// by key.
-    fn inputs(&mut self, scope: &mut Scope<'u>) -> Vec<PortShape> {
-        let unit = scope.unit;
-        let mut shapes = Vec::new();
-        for flow in unit
-            .inputs
-            .iter()
-            .filter(|id| unit.flow(**id).role != FlowRole::Param)
-        {
-            let declared = unit.flow(*flow);
-            self.begin(&declared.name);
-            let default = declared.default.map(|id| self.expr(scope, id, At::ROOT));
-            let optional = declared.optional == Optional::Declared(true);
-            let mut leaves: Vec<(String, Ty)> = Vec::new();
-            declared.ty.leaves(&mut |path, ty| {
-                leaves.push((format!("{}{path}", declared.name), ty.clone()))
-            });
-            let mut wire = Vec::with_capacity(leaves.len());
-            for (k, (key, ty)) in leaves.into_iter().enumerate() {
-                let (seen, scalar) = crate::check::outside_type(&ty);
-                let default = default.as_ref().and_then(|wire| wire.get(k)).cloned();
-                let default =
-                    default.map(|signal| self.in_seconds(&signal, &ty, At::ROOT, declared.span));
-                let value = match (ty == Ty::Duration, declared.default) {
-                    (true, Some(id)) => crate::elab::constant(self.units, unit, id)
-                        .ok()
-                        .and_then(|leaves| leaves.get(k).cloned()),
-                    _ => default
-                        .as_ref()
-                        .and_then(|signal| self.settled_constant(signal)),
-                };
-                let given = self.outside_at((&key, value), scalar, At::ROOT, declared.span);
-                let given = match optional {
-                    true => self.unless_given(&given, scalar, default.as_ref(), declared.span),
-                    false => given,
-                };
-                wire.push(self.in_ticks(given, &ty, At::ROOT, declared.span));
-                let ty = seen;
-                if declared.role == FlowRole::Given {
-                    self.net.given.push(Given {
-                        key: key.clone(),
-                        is_needed: declared.default.is_none() && !optional,
-                    });
-                }
-                shapes.push(PortShape { key, ty, optional });
+/// Connects the parameters. Unknown ones become aliases of neutral values, which are returned and bound at the end.
+fn elab_parameters<'u>(
+    elab: &mut Elab<'u>,
+    scope: &mut Scope<'u>,
+    args: &[Argument],
+) -> Vec<(rpi_net::PortRef, Value)> {
+    let unit = scope.unit;
+    let mut unknown = Vec::new();
+    let params = unit
+        .inputs
+        .iter()
+        .filter(|id| unit.flow(**id).role == FlowRole::Param);
+    for (k, flow) in params.enumerate() {
+        let declared = unit.flow(*flow);
+        let wire = match (args.get(k), declared.default, &declared.ty) {
+            (Some(Argument::Value(leaves)), ..) => {
+                time::constants(elab, leaves, &declared.ty, At::ROOT, declared.span)
             }
-            *scope.state(*flow) = State::Known(wire.into());
-            self.outside_in_subranges(scope, *flow);
-        }
-        shapes
-    }
-
-    /// Returns the signal of an optional input: its default, or absent, until it is set.
-    fn unless_given(
-        &mut self,
-        given: &Signal,
-        scalar: Scalar,
-        default: Option<&Signal>,
-        span: rpi_diag::Span,
-    ) -> Signal {
-        let Signal::Port(value) = given else {
-            return given.clone();
+            (_, _, Ty::Device(_)) => single(Signal::Const(Value::Str(declared.name.to_string()))),
+            (_, Some(default), _) => expr::elab_expr(elab, scope, default, At::ROOT),
+            _ => {
+                let mut leaves = Vec::new();
+                for scalar in crate::elab::expr::leaf_scalars(&declared.ty) {
+                    // A Boolean decides what can happen at all, so it must not be fixed: it becomes an external
+                    // input.
+                    if scalar == Scalar::Bool {
+                        leaves.push(external_input(elab, &declared.name, scalar, declared.span));
+                        continue;
+                    }
+                    let alias = nodes::new_alias(elab, scalar);
+                    unknown.push((alias, Value::neutral(scalar.into())));
+                    leaves.push(Signal::Port(alias));
+                }
+                leaves.into()
+            }
         };
-        let updated = Signal::Port(rpi_net::PortRef {
-            port: UPDATED,
-            ..*value
-        });
-        let is_open = self.family(Family::IsNull, Scalar::Time, &[updated], At::ROOT, span);
-        let otherwise = default.cloned().unwrap_or(Signal::Absent);
-        let inputs = [is_open, otherwise, given.clone()];
-        self.family(Family::Conditional, scalar, &inputs, At::ROOT, span)
+        *scope.state(*flow) = State::Known(wire);
+        subrange::check_external_input(elab, scope, *flow);
     }
+    unknown
+}
 
-    /// Elaborates a value that the program leaves open as an external input.
-    pub(in crate::elab) fn left_open(&mut self, scope: &Scope<'u>, id: ExprId, at: At) -> Wire {
-        let expr = scope.unit.expr(id);
-        if self.mode == Mode::Constant {
-            return self.fail(NotConstant::Flow(expr.span));
-        }
-        self.serial += 1;
-        let name = format!("{}#any{}", self.name, self.serial - 1);
+/// Elaborates the inputs of a node on its own and the values that a command takes over. They are set from outside
+/// by key.
+fn unit_inputs<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>) -> Vec<PortShape> {
+    let unit = scope.unit;
+    let mut shapes = Vec::new();
+    for flow in unit
+        .inputs
+        .iter()
+        .filter(|id| unit.flow(**id).role != FlowRole::Param)
+    {
+        let declared = unit.flow(*flow);
+        block::set_node_name(elab, &declared.name);
+        let default = declared
+            .default
+            .map(|id| expr::elab_expr(elab, scope, id, At::ROOT));
+        let optional = declared.optional == Optional::Declared(true);
         let mut leaves: Vec<(String, Ty)> = Vec::new();
-        let mut leaf = |path: String, ty: &Ty| leaves.push((format!("{name}{path}"), ty.clone()));
-        expr.ty.leaves(&mut |path, ty| leaf(path.to_owned(), ty));
-        let leaves = leaves.into_iter();
-        let signals = leaves.map(|(key, ty)| {
-            let given = self.outside_at((&key, None), Self::scalar_outside(&ty), at, expr.span);
-            self.in_ticks(given, &ty, at, expr.span)
-        });
-        signals.collect()
-    }
-
-    fn outside(&mut self, key: &str, scalar: Scalar, span: rpi_diag::Span) -> Signal {
-        self.outside_at((key, None), scalar, At::ROOT, span)
-    }
-
-    /// Adds an external input with a key and an optional initial value.
-    fn outside_at(
-        &mut self,
-        (key, default): (&str, Option<Value>),
-        scalar: Scalar,
-        at: At,
-        span: rpi_diag::Span,
-    ) -> Signal {
-        let Some(prim) = crate::elab::families::member(Family::Input, scalar) else {
-            return Signal::Absent;
-        };
-        let value = |param: &rpi_image::Param| match param.name {
-            "Key" => Some(Value::Str(key.to_owned())),
-            "Value" if default.is_some() => default.clone(),
-            _ => crate::check::param_default(param),
-        };
-        let params = prim.desc().params.iter().filter_map(value).collect();
-        let wire = self.prim(prim, Vec::new(), params, at, span);
-        if let Some(Signal::Port(port)) = wire.first() {
-            let node = &mut self.net.nodes[port.node.index()];
-            key.clone_into(&mut node.name);
-            node.origin.flow = Some(key.to_owned());
-        }
-        wire.first().cloned().unwrap_or(Signal::Absent)
-    }
-
-    /// Exports the outputs of a node on its own.
-    fn outputs(&mut self, scope: &mut Scope<'u>) -> Vec<PortShape> {
-        let unit = scope.unit;
-        let mut shapes = Vec::new();
-        for flow in &unit.outputs {
-            let declared = unit.flow(*flow);
-            let wire = self.flow(scope, *flow, declared.span);
-            self.begin(&declared.name);
-            let wire = self.off_clock_absent(scope, *flow, &wire, declared.span);
-            let mut leaves: Vec<(String, Ty)> = Vec::new();
-            declared.ty.leaves(&mut |path, ty| {
-                leaves.push((format!("{}{path}", declared.name), ty.clone()))
+        declared
+            .ty
+            .leaves(&mut |path, ty| leaves.push((format!("{}{path}", declared.name), ty.clone())));
+        let mut wire = Vec::with_capacity(leaves.len());
+        for (k, (key, ty)) in leaves.into_iter().enumerate() {
+            let (seen, scalar) = crate::check::outside_type(&ty);
+            let default = default.as_ref().and_then(|wire| wire.get(k)).cloned();
+            let default = default.map(|signal| {
+                time::convert_to_seconds(elab, &signal, &ty, At::ROOT, declared.span)
             });
-            for ((key, ty), signal) in leaves.into_iter().zip(wire.iter()) {
-                self.export(&key, signal, &ty, declared.span);
+            let value = match (ty == Ty::Duration, declared.default) {
+                (true, Some(id)) => crate::elab::constant(elab.units, unit, id)
+                    .ok()
+                    .and_then(|leaves| leaves.get(k).cloned()),
+                _ => default
+                    .as_ref()
+                    .and_then(|signal| each::constant_value(elab, signal)),
+            };
+            let given = external_input_at(elab, (&key, value), scalar, At::ROOT, declared.span);
+            let given = match optional {
+                true => or_default(elab, &given, scalar, default.as_ref(), declared.span),
+                false => given,
+            };
+            wire.push(time::convert_to_ticks(
+                elab,
+                given,
+                &ty,
+                At::ROOT,
+                declared.span,
+            ));
+            let ty = seen;
+            if declared.role == FlowRole::Given {
+                elab.net.given.push(Given {
+                    key: key.clone(),
+                    is_needed: declared.default.is_none() && !optional,
+                });
+            }
+            shapes.push(PortShape { key, ty, optional });
+        }
+        *scope.state(*flow) = State::Known(wire.into());
+        subrange::check_external_input(elab, scope, *flow);
+    }
+    shapes
+}
+
+/// Returns the signal of an optional input: its default, or absent, until it is set.
+fn or_default(
+    elab: &mut Elab<'_>,
+    given: &Signal,
+    scalar: Scalar,
+    default: Option<&Signal>,
+    span: rpi_diag::Span,
+) -> Signal {
+    let Signal::Port(value) = given else {
+        return given.clone();
+    };
+    let updated = Signal::Port(rpi_net::PortRef {
+        port: UPDATED,
+        ..*value
+    });
+    let is_open = nodes::add_family_member(
+        elab,
+        Family::IsNull,
+        Scalar::Time,
+        &[updated],
+        At::ROOT,
+        span,
+    );
+    let otherwise = default.cloned().unwrap_or(Signal::Absent);
+    let inputs = [is_open, otherwise, given.clone()];
+    nodes::add_family_member(elab, Family::Conditional, scalar, &inputs, At::ROOT, span)
+}
+
+/// Elaborates a value that the program leaves open as an external input.
+pub(in crate::elab) fn open_value<'u>(
+    elab: &mut Elab<'u>,
+    scope: &Scope<'u>,
+    id: ExprId,
+    at: At,
+) -> Wire {
+    let expr = scope.unit.expr(id);
+    if elab.mode == Mode::Constant {
+        return elab.fail(NotConstant::Flow(expr.span));
+    }
+    elab.serial += 1;
+    let name = format!("{}#any{}", elab.name, elab.serial - 1);
+    let mut leaves: Vec<(String, Ty)> = Vec::new();
+    let mut leaf = |path: String, ty: &Ty| leaves.push((format!("{name}{path}"), ty.clone()));
+    expr.ty.leaves(&mut |path, ty| leaf(path.to_owned(), ty));
+    let leaves = leaves.into_iter();
+    let signals = leaves.map(|(key, ty)| {
+        let given = external_input_at(
+            elab,
+            (&key, None),
+            time::external_scalar(&ty),
+            at,
+            expr.span,
+        );
+        time::convert_to_ticks(elab, given, &ty, at, expr.span)
+    });
+    signals.collect()
+}
+
+fn external_input(elab: &mut Elab<'_>, key: &str, scalar: Scalar, span: rpi_diag::Span) -> Signal {
+    external_input_at(elab, (key, None), scalar, At::ROOT, span)
+}
+
+/// Adds an external input with a key and an optional initial value.
+fn external_input_at(
+    elab: &mut Elab<'_>,
+    (key, default): (&str, Option<Value>),
+    scalar: Scalar,
+    at: At,
+    span: rpi_diag::Span,
+) -> Signal {
+    let Some(prim) = crate::elab::families::member(Family::Input, scalar) else {
+        return Signal::Absent;
+    };
+    let value = |param: &rpi_image::Param| match param.name {
+        "Key" => Some(Value::Str(key.to_owned())),
+        "Value" if default.is_some() => default.clone(),
+        _ => crate::check::param_default(param),
+    };
+    let params = prim.desc().params.iter().filter_map(value).collect();
+    let wire = nodes::add_prim(elab, prim, Vec::new(), params, at, span);
+    if let Some(Signal::Port(port)) = wire.first() {
+        let node = &mut elab.net.nodes[port.node.index()];
+        key.clone_into(&mut node.name);
+        node.origin.flow = Some(key.to_owned());
+    }
+    wire.first().cloned().unwrap_or(Signal::Absent)
+}
+
+/// Exports the outputs of a node on its own.
+fn unit_outputs<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>) -> Vec<PortShape> {
+    let unit = scope.unit;
+    let mut shapes = Vec::new();
+    for flow in &unit.outputs {
+        let declared = unit.flow(*flow);
+        let wire = flows::elab_flow(elab, scope, *flow, declared.span);
+        block::set_node_name(elab, &declared.name);
+        let wire = clocks::off_clock_absent(elab, scope, *flow, &wire, declared.span);
+        let mut leaves: Vec<(String, Ty)> = Vec::new();
+        declared
+            .ty
+            .leaves(&mut |path, ty| leaves.push((format!("{}{path}", declared.name), ty.clone())));
+        for ((key, ty), signal) in leaves.into_iter().zip(wire.iter()) {
+            elab_export(elab, &key, signal, &ty, declared.span);
+            let optional = declared.optional != Optional::Declared(false);
+            let ty = crate::check::outside_type(&ty).0;
+            shapes.push(PortShape { key, ty, optional });
+        }
+    }
+    shapes
+}
+
+pub(in crate::elab) fn elab_export(
+    elab: &mut Elab<'_>,
+    key: &str,
+    signal: &Signal,
+    ty: &Ty,
+    span: rpi_diag::Span,
+) {
+    let port = export_port(elab, key, signal, ty, At::ROOT, span);
+    elab.net.exports.extend(port);
+}
+
+/// Returns the port that exports a flow. A constant is exported in the cycles in which the fragment of `at` is
+/// active.
+pub(in crate::elab) fn export_port(
+    elab: &mut Elab<'_>,
+    key: &str,
+    signal: &Signal,
+    ty: &Ty,
+    at: At,
+    span: rpi_diag::Span,
+) -> Option<ExportPort> {
+    let signal = time::convert_to_seconds(elab, signal, ty, at, span);
+    let source = pack::port_of(elab, &signal, time::external_scalar(ty), at, span)?;
+    Some(ExportPort {
+        key: key.to_owned(),
+        source,
+        origin: Origin {
+            span,
+            flow: Some(key.to_owned()),
+        },
+    })
+}
+
+/// Exports the local flows, qualified by the names of their blocks.
+fn elab_locals<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>) -> Vec<PortShape> {
+    let unit = scope.unit;
+    let mut shapes = Vec::new();
+    for id in (0..).map(FlowId).take(unit.flows.len()) {
+        let declared = unit.flow(id);
+        let is_device = matches!(declared.ty, Ty::Device(_));
+        if declared.role != FlowRole::Local || is_device {
+            continue;
+        }
+        let is_inner = declared.block != BlockId::ROOT;
+        let wire = leaving::read_flow(elab, scope, (id, is_inner), At::ROOT, declared.span);
+        let wire = match is_inner {
+            true => wire,
+            false => clocks::off_clock_absent(elab, scope, id, &wire, declared.span),
+        };
+        let name = unit.path_of(id);
+        block::set_node_name(elab, &name);
+        let mut leaves: Vec<(String, Ty)> = Vec::new();
+        declared
+            .ty
+            .leaves(&mut |path, ty| leaves.push((format!("{name}{path}"), ty.clone())));
+        for ((key, ty), signal) in leaves.into_iter().zip(wire.iter()) {
+            if let Some(port) = export_port(elab, &key, signal, &ty, At::ROOT, declared.span) {
+                elab.watched.push(port);
                 let optional = declared.optional != Optional::Declared(false);
                 let ty = crate::check::outside_type(&ty).0;
                 shapes.push(PortShape { key, ty, optional });
             }
         }
-        shapes
     }
+    shapes
+}
 
-    pub(in crate::elab) fn export(
-        &mut self,
-        key: &str,
-        signal: &Signal,
-        ty: &Ty,
-        span: rpi_diag::Span,
-    ) {
-        let port = self.export_port(key, signal, ty, At::ROOT, span);
-        self.net.exports.extend(port);
-    }
-
-    /// Returns the port that exports a flow. A constant is exported in the cycles in which the fragment of `at` is
-    /// active.
-    pub(in crate::elab) fn export_port(
-        &mut self,
-        key: &str,
-        signal: &Signal,
-        ty: &Ty,
-        at: At,
-        span: rpi_diag::Span,
-    ) -> Option<ExportPort> {
-        let signal = self.in_seconds(signal, ty, at, span);
-        let source = self.port_of(&signal, Self::scalar_outside(ty), at, span)?;
-        Some(ExportPort {
-            key: key.to_owned(),
-            source,
-            origin: Origin {
-                span,
-                flow: Some(key.to_owned()),
-            },
-        })
-    }
-
-    /// Exports the local flows, qualified by the names of their blocks.
-    fn locals(&mut self, scope: &mut Scope<'u>) -> Vec<PortShape> {
-        let unit = scope.unit;
-        let mut shapes = Vec::new();
-        for id in (0..).map(FlowId).take(unit.flows.len()) {
-            let declared = unit.flow(id);
-            let is_device = matches!(declared.ty, Ty::Device(_));
-            if declared.role != FlowRole::Local || is_device {
-                continue;
-            }
-            let is_inner = declared.block != BlockId::ROOT;
-            let wire = self.read_flow(scope, (id, is_inner), At::ROOT, declared.span);
-            let wire = match is_inner {
-                true => wire,
-                false => self.off_clock_absent(scope, id, &wire, declared.span),
-            };
-            let name = unit.path_of(id);
-            self.begin(&name);
+fn exports<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>) {
+    let unit = scope.unit;
+    for (k, block) in unit.blocks.iter().enumerate() {
+        let fragment = scope.fragments[k].unwrap_or(rpi_net::FragmentId::ROOT);
+        for export in &block.exports {
+            scope.base = fragment;
+            let wire = clocks::read_at(
+                elab,
+                scope,
+                export.value,
+                ClockId::BASE,
+                At::fragment(fragment),
+            );
+            scope.base = rpi_net::FragmentId::ROOT;
+            block::set_node_name(elab, &export.key);
             let mut leaves: Vec<(String, Ty)> = Vec::new();
-            declared
-                .ty
-                .leaves(&mut |path, ty| leaves.push((format!("{name}{path}"), ty.clone())));
+            let ty = &unit.expr(export.value).ty;
+            ty.leaves(&mut |path, ty| leaves.push((format!("{}{path}", export.key), ty.clone())));
             for ((key, ty), signal) in leaves.into_iter().zip(wire.iter()) {
-                if let Some(port) = self.export_port(&key, signal, &ty, At::ROOT, declared.span) {
-                    self.watched.push(port);
-                    let optional = declared.optional != Optional::Declared(false);
-                    let ty = crate::check::outside_type(&ty).0;
-                    shapes.push(PortShape { key, ty, optional });
-                }
-            }
-        }
-        shapes
-    }
-
-    fn exports(&mut self, scope: &mut Scope<'u>) {
-        let unit = scope.unit;
-        for (k, block) in unit.blocks.iter().enumerate() {
-            let fragment = scope.fragments[k].unwrap_or(rpi_net::FragmentId::ROOT);
-            for export in &block.exports {
-                scope.base = fragment;
-                let wire = self.read_at(scope, export.value, ClockId::BASE, At::fragment(fragment));
-                scope.base = rpi_net::FragmentId::ROOT;
-                self.begin(&export.key);
-                let mut leaves: Vec<(String, Ty)> = Vec::new();
-                let ty = &unit.expr(export.value).ty;
-                ty.leaves(&mut |path, ty| {
-                    leaves.push((format!("{}{path}", export.key), ty.clone()))
-                });
-                for ((key, ty), signal) in leaves.into_iter().zip(wire.iter()) {
-                    self.export(&key, signal, &ty, export.span);
-                }
+                elab_export(elab, &key, signal, &ty, export.span);
             }
         }
     }
+}
 
-    fn driver(&mut self, scope: &mut Scope<'u>) {
-        let unit = scope.unit;
-        let ends = &unit.block(BlockId::ROOT).ends;
-        let endless = unit.kind == UnitKind::Test && ends.is_empty();
-        if !unit.kind.is_root() || endless {
-            return;
-        }
-        self.net.is_test = unit.kind == UnitKind::Test;
-        let mut results = Vec::new();
-        for end in ends {
-            self.begin(&end.result);
-            let signal = self.one(scope, end.condition, At::ROOT);
-            let condition = match signal {
-                Signal::Const(value) => Input::constant(value),
-                other => match self.port_of(&other, Scalar::Bool, At::ROOT, end.span) {
-                    Some(port) => Input::Port(port),
-                    None => Input::Open,
-                },
-            };
-            results.push(ResultPort {
-                name: end.result.to_string(),
-                kind: match end.kind {
-                    EndKind::Finish => ResultKind::Finish,
-                    EndKind::Yield => ResultKind::Yield,
-                    EndKind::Fail => ResultKind::Fail,
-                },
-                condition,
-                origin: Origin {
-                    span: end.span,
-                    flow: Some(end.result.to_string()),
-                },
-            });
-        }
-        self.net.driver = Driver::Results(results);
+fn driver<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>) {
+    let unit = scope.unit;
+    let ends = &unit.block(BlockId::ROOT).ends;
+    let endless = unit.kind == UnitKind::Test && ends.is_empty();
+    if !unit.kind.is_root() || endless {
+        return;
     }
+    elab.net.is_test = unit.kind == UnitKind::Test;
+    let mut results = Vec::new();
+    for end in ends {
+        block::set_node_name(elab, &end.result);
+        let signal = expr::elab_condition(elab, scope, end.condition, At::ROOT);
+        let condition = match signal {
+            Signal::Const(value) => Input::constant(value),
+            other => match pack::port_of(elab, &other, Scalar::Bool, At::ROOT, end.span) {
+                Some(port) => Input::Port(port),
+                None => Input::Open,
+            },
+        };
+        results.push(ResultPort {
+            name: end.result.to_string(),
+            kind: match end.kind {
+                EndKind::Finish => ResultKind::Finish,
+                EndKind::Yield => ResultKind::Yield,
+                EndKind::Fail => ResultKind::Fail,
+            },
+            condition,
+            origin: Origin {
+                span: end.span,
+                flow: Some(end.result.to_string()),
+            },
+        });
+    }
+    elab.net.driver = Driver::Results(results);
 }
 
 /// Returns the parameters of a unit, in the order in which [`elaborate`] takes arguments.

@@ -1,5 +1,11 @@
 //! End of an elaboration: resolves the aliases.
 
+use super::block;
+use super::entering;
+use super::leaving;
+use super::nodes;
+use super::pack;
+use super::promise;
 use crate::elab::signal::{Signal, alias_of};
 use crate::elab::{At, Elab};
 use rpi_diag::Span;
@@ -7,156 +13,161 @@ use rpi_image::Value;
 use rpi_net::{Activation, Driver, FragmentId, Input, PortRef, Restart};
 use smallvec::{SmallVec, smallvec};
 
-impl Elab<'_> {
-    /// Replaces all aliases by the signals to which they are bound.
-    pub(in crate::elab) fn settle(&mut self) {
-        self.begin("constant");
-        for alias in 0..self.aliases.len() {
-            self.settle_alias(alias);
-        }
-        self.keep_promises();
-        for node in 0..self.net.nodes.len() {
-            self.settle_node(node);
-        }
-        for fragment in 0..self.net.fragments.len() {
-            self.settle_fragment(fragment);
-        }
-        for export in 0..self.net.exports.len() {
-            let source = self.net.exports[export].source;
-            let (at, span) = (At::ROOT, self.net.exports[export].origin.span);
-            self.net.exports[export].source = self.settled_port(source, at, span);
-        }
-        for watched in 0..self.watched.len() {
-            let (source, span) = (
-                self.watched[watched].source,
-                self.watched[watched].origin.span,
-            );
-            self.watched[watched].source = self.settled_port(source, At::ROOT, span);
-        }
-        self.settle_driver();
-        self.settle_landmarks();
+/// Replaces all aliases by the signals to which they are bound.
+pub(in crate::elab) fn resolve_aliases(elab: &mut Elab<'_>) {
+    block::set_node_name(elab, "constant");
+    for alias in 0..elab.aliases.len() {
+        resolve_alias(elab, alias);
     }
-
-    /// Follows a chain of aliases to its end. Aliases bound to each other are a dependency cycle without any node. A
-    /// copy node is inserted so that the net shows the cycle.
-    fn settle_alias(&mut self, alias: usize) {
-        let mut chain: SmallVec<[usize; 4]> = smallvec![alias];
-        self.settling[alias] = true;
-        let end = loop {
-            let last = chain[chain.len() - 1];
-            match &self.aliases[last] {
-                Some(Signal::Port(port)) => match alias_of(*port) {
-                    Some(next) if self.settling[next] => break self.knot(last, *port),
-                    Some(next) => {
-                        self.settling[next] = true;
-                        chain.push(next);
-                    }
-                    None => break Signal::Port(*port),
-                },
-                Some(other) => break other.clone(),
-                None => break self.loose(last),
-            }
-        };
-        let mut seen = end;
-        for alias in chain.into_iter().rev() {
-            self.settling[alias] = false;
-            seen = self.behind_gate(alias, seen);
-            seen = self.before_entry(alias, seen);
-            self.aliases[alias] = Some(seen.clone());
-        }
+    promise::pack_deferred_arrays(elab);
+    for node in 0..elab.net.nodes.len() {
+        resolve_node(elab, node);
     }
-
-    /// Adds a copy node that reads itself through the aliases.
-    fn knot(&mut self, alias: usize, port: PortRef) -> Signal {
-        let scalar = self.alias_types[alias];
-        match self.passing_on(port, scalar, FragmentId::ROOT, Span::NONE) {
-            Signal::Port(port) if alias_of(port).is_some() => {
-                Signal::Const(Value::neutral(scalar.into()))
-            }
-            knot => knot,
-        }
+    for fragment in 0..elab.net.fragments.len() {
+        resolve_fragment(elab, fragment);
     }
-
-    /// Returns a neutral value for a flow that is never defined, which has been reported.
-    fn loose(&mut self, alias: usize) -> Signal {
-        Signal::Const(Value::neutral(self.alias_types[alias].into()))
+    for export in 0..elab.net.exports.len() {
+        let source = elab.net.exports[export].source;
+        let (at, span) = (At::ROOT, elab.net.exports[export].origin.span);
+        elab.net.exports[export].source = resolved_port(elab, source, at, span);
     }
-
-    fn settle_node(&mut self, node: usize) {
-        for k in 0..self.net.nodes[node].inputs.len() {
-            let Input::Port(port) = self.net.nodes[node].inputs[k] else {
-                continue;
-            };
-            let at = At::fragment(self.net.nodes[node].fragment);
-            let span = self.net.nodes[node].origin.span;
-            if let Some(input) = self.settled_input(port, at, span) {
-                self.net.nodes[node].inputs[k] = input;
-            }
-        }
-    }
-
-    /// Returns the input that replaces an alias; none if the port is not an alias.
-    fn settled_input(&mut self, port: PortRef, at: At, span: Span) -> Option<Input> {
-        let alias = alias_of(port)?;
-        let signal = self.aliases[alias].clone().unwrap_or(Signal::Absent);
-        Some(self.one_input(&signal, self.alias_types[alias], at, span))
-    }
-
-    fn settle_landmarks(&mut self) {
-        let mut all = std::mem::take(&mut self.net.landmarks);
-        let exits = all.exits.iter_mut().flat_map(|exits| {
-            let conditions = exits.transitions.iter_mut().map(|exit| &mut exit.condition);
-            conditions.chain([&mut exits.here])
-        });
-        let choices = all.choices.iter_mut().map(|choice| &mut choice.condition);
-        for input in exits.chain(choices) {
-            if let Input::Port(port) = *input
-                && let Some(settled) = self.settled_input(port, At::ROOT, Span::NONE)
-            {
-                *input = settled;
-            }
-        }
-        self.net.landmarks = all;
-    }
-
-    fn settled_port(&mut self, port: PortRef, at: At, span: Span) -> PortRef {
-        let Some(alias) = alias_of(port) else {
-            return port;
-        };
-        let signal = self.aliases[alias].clone().unwrap_or(Signal::Absent);
-        self.port_of(&signal, self.alias_types[alias], at, span)
-            .unwrap_or(port)
-    }
-
-    fn settle_fragment(&mut self, fragment: usize) {
-        let parent = self.net.fragments[fragment]
-            .parent
-            .unwrap_or(FragmentId::ROOT);
-        let (at, span) = (
-            At::fragment(parent),
-            self.net.fragments[fragment].origin.span,
+    for watched in 0..elab.watched.len() {
+        let (source, span) = (
+            elab.watched[watched].source,
+            elab.watched[watched].origin.span,
         );
-        if let Activation::When { condition, absent } = self.net.fragments[fragment].activation {
-            let condition = self.settled_port(condition, at, span);
-            self.net.fragments[fragment].activation = Activation::When { condition, absent };
-        }
-        if let Restart::Every(condition) = self.net.fragments[fragment].restart {
-            let condition = self.settled_port(condition, at, span);
-            self.net.fragments[fragment].restart = Restart::Every(condition);
-        }
+        elab.watched[watched].source = resolved_port(elab, source, At::ROOT, span);
     }
+    resolve_driver(elab);
+    resolve_coverage_points(elab);
+}
 
-    fn settle_driver(&mut self) {
-        let Driver::Results(results) = &mut self.net.driver else {
-            return;
-        };
-        let mut results = std::mem::take(results);
-        for result in &mut results {
-            if let Input::Port(port) = result.condition {
-                let port = self.settled_port(port, At::ROOT, result.origin.span);
-                result.condition = Input::Port(port);
-            }
+/// Follows a chain of aliases to its end. Aliases bound to each other are a dependency cycle without any node. A
+/// copy node is inserted so that the net shows the cycle.
+fn resolve_alias(elab: &mut Elab<'_>, alias: usize) {
+    let mut chain: SmallVec<[usize; 4]> = smallvec![alias];
+    elab.settling[alias] = true;
+    let end = loop {
+        let last = chain[chain.len() - 1];
+        match &elab.aliases[last] {
+            Some(Signal::Port(port)) => match alias_of(*port) {
+                Some(next) if elab.settling[next] => {
+                    break dependency_cycle_node(elab, last, *port);
+                }
+                Some(next) => {
+                    elab.settling[next] = true;
+                    chain.push(next);
+                }
+                None => break Signal::Port(*port),
+            },
+            Some(other) => break other.clone(),
+            None => break undefined_value(elab, last),
         }
-        self.net.driver = Driver::Results(results);
+    };
+    let mut seen = end;
+    for alias in chain.into_iter().rev() {
+        elab.settling[alias] = false;
+        seen = leaving::resolve_gate(elab, alias, seen);
+        seen = entering::resolve_entry(elab, alias, seen);
+        elab.aliases[alias] = Some(seen.clone());
     }
+}
+
+/// Adds a copy node that reads itself through the aliases.
+fn dependency_cycle_node(elab: &mut Elab<'_>, alias: usize, port: PortRef) -> Signal {
+    let scalar = elab.alias_types[alias];
+    match nodes::add_copy(elab, port, scalar, FragmentId::ROOT, Span::NONE) {
+        Signal::Port(port) if alias_of(port).is_some() => {
+            Signal::Const(Value::neutral(scalar.into()))
+        }
+        knot => knot,
+    }
+}
+
+/// Returns a neutral value for a flow that is never defined, which has been reported.
+fn undefined_value(elab: &mut Elab<'_>, alias: usize) -> Signal {
+    Signal::Const(Value::neutral(elab.alias_types[alias].into()))
+}
+
+fn resolve_node(elab: &mut Elab<'_>, node: usize) {
+    for k in 0..elab.net.nodes[node].inputs.len() {
+        let Input::Port(port) = elab.net.nodes[node].inputs[k] else {
+            continue;
+        };
+        let at = At::fragment(elab.net.nodes[node].fragment);
+        let span = elab.net.nodes[node].origin.span;
+        if let Some(input) = resolved_input(elab, port, at, span) {
+            elab.net.nodes[node].inputs[k] = input;
+        }
+    }
+}
+
+/// Returns the input that replaces an alias; none if the port is not an alias.
+fn resolved_input(elab: &mut Elab<'_>, port: PortRef, at: At, span: Span) -> Option<Input> {
+    let alias = alias_of(port)?;
+    let signal = elab.aliases[alias].clone().unwrap_or(Signal::Absent);
+    Some(pack::one_input(
+        elab,
+        &signal,
+        elab.alias_types[alias],
+        at,
+        span,
+    ))
+}
+
+fn resolve_coverage_points(elab: &mut Elab<'_>) {
+    let mut all = std::mem::take(&mut elab.net.landmarks);
+    let exits = all.exits.iter_mut().flat_map(|exits| {
+        let conditions = exits.transitions.iter_mut().map(|exit| &mut exit.condition);
+        conditions.chain([&mut exits.here])
+    });
+    let choices = all.choices.iter_mut().map(|choice| &mut choice.condition);
+    for input in exits.chain(choices) {
+        if let Input::Port(port) = *input
+            && let Some(settled) = resolved_input(elab, port, At::ROOT, Span::NONE)
+        {
+            *input = settled;
+        }
+    }
+    elab.net.landmarks = all;
+}
+
+fn resolved_port(elab: &mut Elab<'_>, port: PortRef, at: At, span: Span) -> PortRef {
+    let Some(alias) = alias_of(port) else {
+        return port;
+    };
+    let signal = elab.aliases[alias].clone().unwrap_or(Signal::Absent);
+    pack::port_of(elab, &signal, elab.alias_types[alias], at, span).unwrap_or(port)
+}
+
+fn resolve_fragment(elab: &mut Elab<'_>, fragment: usize) {
+    let parent = elab.net.fragments[fragment]
+        .parent
+        .unwrap_or(FragmentId::ROOT);
+    let (at, span) = (
+        At::fragment(parent),
+        elab.net.fragments[fragment].origin.span,
+    );
+    if let Activation::When { condition, absent } = elab.net.fragments[fragment].activation {
+        let condition = resolved_port(elab, condition, at, span);
+        elab.net.fragments[fragment].activation = Activation::When { condition, absent };
+    }
+    if let Restart::Every(condition) = elab.net.fragments[fragment].restart {
+        let condition = resolved_port(elab, condition, at, span);
+        elab.net.fragments[fragment].restart = Restart::Every(condition);
+    }
+}
+
+fn resolve_driver(elab: &mut Elab<'_>) {
+    let Driver::Results(results) = &mut elab.net.driver else {
+        return;
+    };
+    let mut results = std::mem::take(results);
+    for result in &mut results {
+        if let Input::Port(port) = result.condition {
+            let port = resolved_port(elab, port, At::ROOT, result.origin.span);
+            result.condition = Input::Port(port);
+        }
+    }
+    elab.net.driver = Driver::Results(results);
 }

@@ -1,6 +1,8 @@
 //! Run-time checks of subranges. A flow with a subrange type is checked where it is defined, passed as an argument or
 //! stored in a struct. The check passes the value on, so that all readers depend on the check.
 
+use super::clocks;
+use super::nodes;
 use crate::check::outside;
 use crate::elab::scope::{Scope, State};
 use crate::elab::signal::{Signal, Wire, alias_of};
@@ -23,230 +25,243 @@ struct Checked {
     is_input: bool,
 }
 
-impl<'u> Elab<'u> {
-    /// Returns the leaves of an equation's value, each checked against the subrange of its target.
-    pub(in crate::elab) fn targets_in_subranges(
-        &mut self,
-        scope: &mut Scope<'u>,
-        equation: &Equation,
-        wire: Wire,
-        at: At,
-    ) -> Wire {
-        let mut targets = equation.targets.iter();
-        if !targets.any(|target| target.ty.has_subrange(false)) {
-            return wire;
-        }
-        let span = scope.unit.expr(equation.value).span;
-        let mut signals = wire.to_vec();
-        let mut first = 0;
-        for target in &equation.targets {
-            let flow = match target.place {
-                Place::Flow { flow, at } => Some((flow, at as usize)),
-                _ => None,
-            };
-            for (leaf, range) in target.ty.subranges(false) {
-                let at = match flow {
-                    Some((flow, offset)) => self.place_of(scope, (flow, offset + leaf), at),
-                    None => at,
-                };
-                let how = Checked {
-                    at,
-                    span,
-                    declared: flow.map(|(flow, _)| scope.unit.flow(flow).span),
-                    is_input: false,
-                };
-                self.check(&mut signals, first + leaf, range, how);
-            }
-            first += target.ty.leaf_count();
-        }
-        signals.into()
+/// Returns the leaves of an equation's value, each checked against the subrange of its target.
+pub(in crate::elab) fn check_targets<'u>(
+    elab: &mut Elab<'u>,
+    scope: &mut Scope<'u>,
+    equation: &Equation,
+    wire: Wire,
+    at: At,
+) -> Wire {
+    let mut targets = equation.targets.iter();
+    if !targets.any(|target| target.ty.has_subrange(false)) {
+        return wire;
     }
-
-    /// Checks the inputs of a call. An error is reported at the caller's argument.
-    pub(in crate::elab) fn inputs_in_subranges(
-        &mut self,
-        scope: &mut Scope<'u>,
-        spans: &[Option<Span>],
-        at: At,
-    ) {
-        let unit = scope.unit;
-        for (k, flow) in unit.inputs.iter().enumerate() {
-            let declared = unit.flow(*flow);
-            if !declared.ty.has_subrange(false) {
-                continue;
-            }
-            let default = declared.default.map(|id| unit.expr(id).span);
-            let span = spans.get(k).copied().flatten().or(default);
-            let span = span.or(scope.called).unwrap_or(declared.span);
-            self.input_in_subranges(scope, *flow, false, at, span);
-        }
-    }
-
-    /// Checks an input that is set from outside the program.
-    pub(in crate::elab) fn outside_in_subranges(&mut self, scope: &mut Scope<'u>, flow: FlowId) {
-        let span = scope.unit.flow(flow).span;
-        self.input_in_subranges(scope, flow, true, At::ROOT, span);
-    }
-
-    fn input_in_subranges(
-        &mut self,
-        scope: &mut Scope<'u>,
-        flow: FlowId,
-        from_outside: bool,
-        at: At,
-        span: Span,
-    ) {
-        let declared = scope.unit.flow(flow);
-        let ranges = declared.ty.subranges(from_outside);
-        let State::Known(wire) = scope.state(flow).clone() else {
-            return;
-        };
-        if ranges.is_empty() {
-            return;
-        }
-        let mut signals = wire.to_vec();
-        for (leaf, range) in ranges {
-            let how = Checked {
-                at: self.place_of(scope, (flow, leaf), at),
-                span,
-                declared: (span != declared.span).then_some(declared.span),
-                is_input: true,
-            };
-            self.check(&mut signals, leaf, range, how);
-        }
-        *scope.state(flow) = State::Known(signals.into());
-    }
-
-    /// Checks a value for field number `field` of a struct that is built here.
-    pub(in crate::elab) fn field_in_subrange(
-        &mut self,
-        wire: Wire,
-        (of, field): (&Ty, usize),
-        at: At,
-        span: Span,
-    ) -> Wire {
-        match of {
-            Ty::Struct(of) => match of.fields.get(field) {
-                Some(field) if field.ty.has_subrange(false) => {
-                    let count = wire.len();
-                    self.leaves_in_subranges(wire, &field.ty, 0..count, (at, span))
-                }
-                _ => wire,
-            },
-            _ => wire,
-        }
-    }
-
-    /// Checks some leaves of a value that comes from outside, or that has new parts of structs.
-    pub(in crate::elab) fn leaves_in_subranges(
-        &mut self,
-        wire: Wire,
-        ty: &Ty,
-        leaves: std::ops::Range<usize>,
-        (at, span): (At, Span),
-    ) -> Wire {
-        if !ty.has_subrange(true) {
-            return wire;
-        }
-        let mut signals = wire.to_vec();
-        let how = Checked {
-            at,
-            span,
-            declared: None,
-            is_input: false,
-        };
-        let ranges = ty.subranges(true).into_iter();
-        for (leaf, range) in ranges.filter(|(leaf, _)| leaves.contains(leaf)) {
-            self.check(&mut signals, leaf, range, how);
-        }
-        signals.into()
-    }
-
-    fn check(&mut self, signals: &mut [Signal], leaf: usize, range: Subrange, how: Checked) {
-        if let Some(signal) = signals.get_mut(leaf) {
-            *signal = self.in_subrange(signal, range, how);
-        }
-    }
-
-    /// Returns a signal behind its check; the signal itself if it is known to lie in the range.
-    fn in_subrange(&mut self, signal: &Signal, range: Subrange, how: Checked) -> Signal {
-        match signal {
-            Signal::Absent => return signal.clone(),
-            Signal::Const(value) => match value.as_int() {
-                Some(value) if !range.contains(value) => {
-                    // A wrong constant is an error even if the call around it is not always needed.
-                    let is_sure = !how.is_input && how.at.guard == self.entered;
-                    if how.at.guard.is_none() || is_sure {
-                        self.certainly_outside(value, range, how);
-                        return signal.clone();
-                    }
-                }
-                _ => return signal.clone(),
-            },
-            _ if self.is_checked(signal, range) => return signal.clone(),
-            _ => {}
-        }
-        let active = how.at.guard.map(Signal::Port);
-        let active = active.unwrap_or(Signal::Const(Value::bool(true)));
-        let [from, to] = range.bounds().map(|end| Signal::Const(Value::int(end)));
-        let inputs = [active, signal.clone(), from, to];
-        self.simple(prim!("Rpi::IntWithin"), &inputs, how.at, how.span)
-    }
-
-    /// Returns whether a signal is the output of a check that implies this range.
-    fn is_checked(&self, signal: &Signal, range: Subrange) -> bool {
-        let Signal::Port(port) = signal else {
-            return false;
-        };
-        if alias_of(*port).is_some() {
-            return false;
-        }
-        let node = self.net.node(port.node);
-        let end = |k: usize| match node.inputs.get(k) {
-            Some(Input::Const(value)) => value.as_int(),
+    let span = scope.unit.expr(equation.value).span;
+    let mut signals = wire.to_vec();
+    let mut first = 0;
+    for target in &equation.targets {
+        let flow = match target.place {
+            Place::Flow { flow, at } => Some((flow, at as usize)),
             _ => None,
         };
-        let known = Subrange {
-            from: end(2),
-            to: end(3),
+        for (leaf, range) in target.ty.subranges(false) {
+            let at = match flow {
+                Some((flow, offset)) => leaf_position(elab, scope, (flow, offset + leaf), at),
+                None => at,
+            };
+            let how = Checked {
+                at,
+                span,
+                declared: flow.map(|(flow, _)| scope.unit.flow(flow).span),
+                is_input: false,
+            };
+            elab_check(elab, &mut signals, first + leaf, range, how);
+        }
+        first += target.ty.leaf_count();
+    }
+    signals.into()
+}
+
+/// Checks the inputs of a call. An error is reported at the caller's argument.
+pub(in crate::elab) fn check_inputs<'u>(
+    elab: &mut Elab<'u>,
+    scope: &mut Scope<'u>,
+    spans: &[Option<Span>],
+    at: At,
+) {
+    let unit = scope.unit;
+    for (k, flow) in unit.inputs.iter().enumerate() {
+        let declared = unit.flow(*flow);
+        if !declared.ty.has_subrange(false) {
+            continue;
+        }
+        let default = declared.default.map(|id| unit.expr(id).span);
+        let span = spans.get(k).copied().flatten().or(default);
+        let span = span.or(scope.called).unwrap_or(declared.span);
+        check_input(elab, scope, *flow, false, at, span);
+    }
+}
+
+/// Checks an input that is set from outside the program.
+pub(in crate::elab) fn check_external_input<'u>(
+    elab: &mut Elab<'u>,
+    scope: &mut Scope<'u>,
+    flow: FlowId,
+) {
+    let span = scope.unit.flow(flow).span;
+    check_input(elab, scope, flow, true, At::ROOT, span);
+}
+
+fn check_input<'u>(
+    elab: &mut Elab<'u>,
+    scope: &mut Scope<'u>,
+    flow: FlowId,
+    from_outside: bool,
+    at: At,
+    span: Span,
+) {
+    let declared = scope.unit.flow(flow);
+    let ranges = declared.ty.subranges(from_outside);
+    let State::Known(wire) = scope.state(flow).clone() else {
+        return;
+    };
+    if ranges.is_empty() {
+        return;
+    }
+    let mut signals = wire.to_vec();
+    for (leaf, range) in ranges {
+        let how = Checked {
+            at: leaf_position(elab, scope, (flow, leaf), at),
+            span,
+            declared: (span != declared.span).then_some(declared.span),
+            is_input: true,
         };
-        let is_always = matches!(node.inputs.first(), Some(Input::Const(_)));
-        node.prim == prim!("Rpi::IntWithin") && is_always && known.is_within(range)
+        elab_check(elab, &mut signals, leaf, range, how);
     }
+    *scope.state(flow) = State::Known(signals.into());
+}
 
-    fn certainly_outside(&mut self, value: i64, range: Subrange, how: Checked) {
-        let finding = outside(value, range).at(how.span, "in every cycle");
-        if self.mode == Mode::Constant {
-            self.fail(NotConstant::Fault(how.span, finding.message));
-            return;
-        }
-        self.findings.push(match how.declared {
-            Some(declared) => finding.also(declared, "declared here"),
-            None => finding,
-        });
+/// Checks a value for field number `field` of a struct that is built here.
+pub(in crate::elab) fn check_field(
+    elab: &mut Elab<'_>,
+    wire: Wire,
+    (of, field): (&Ty, usize),
+    at: At,
+    span: Span,
+) -> Wire {
+    match of {
+        Ty::Struct(of) => match of.fields.get(field) {
+            Some(field) if field.ty.has_subrange(false) => {
+                let count = wire.len();
+                check_leaves(elab, wire, &field.ty, 0..count, (at, span))
+            }
+            _ => wire,
+        },
+        _ => wire,
     }
+}
 
-    /// Returns the position of a leaf of a flow: in the fragment of its clock.
-    fn place_of(&mut self, scope: &mut Scope<'u>, (flow, leaf): (FlowId, usize), at: At) -> At {
-        match self.clocked_facts(scope) {
-            Some(facts) => self.place(scope, facts.clocks.flow(flow).leaf(leaf), at),
-            None => at,
-        }
+/// Checks some leaves of a value that comes from outside, or that has new parts of structs.
+pub(in crate::elab) fn check_leaves(
+    elab: &mut Elab<'_>,
+    wire: Wire,
+    ty: &Ty,
+    leaves: std::ops::Range<usize>,
+    (at, span): (At, Span),
+) -> Wire {
+    if !ty.has_subrange(true) {
+        return wire;
     }
+    let mut signals = wire.to_vec();
+    let how = Checked {
+        at,
+        span,
+        declared: None,
+        is_input: false,
+    };
+    let ranges = ty.subranges(true).into_iter();
+    for (leaf, range) in ranges.filter(|(leaf, _)| leaves.contains(leaf)) {
+        elab_check(elab, &mut signals, leaf, range, how);
+    }
+    signals.into()
+}
 
-    /// Checks the fields that `x with .n = y` replaces.
-    pub(in crate::elab) fn replaced_in_subranges(
-        &mut self,
-        scope: &Scope<'u>,
-        wire: Wire,
-        [id, value]: [ExprId; 2],
-        offset: u32,
-        at: At,
-    ) -> Wire {
-        let unit = scope.unit;
-        let first = offset as usize;
-        let leaves = first..first + unit.expr(value).ty.leaf_count();
-        let place = (at, unit.expr(value).span);
-        self.leaves_in_subranges(wire, &unit.expr(id).ty, leaves, place)
+fn elab_check(
+    elab: &mut Elab<'_>,
+    signals: &mut [Signal],
+    leaf: usize,
+    range: Subrange,
+    how: Checked,
+) {
+    if let Some(signal) = signals.get_mut(leaf) {
+        *signal = check_signal(elab, signal, range, how);
     }
+}
+
+/// Returns a signal behind its check; the signal itself if it is known to lie in the range.
+fn check_signal(elab: &mut Elab<'_>, signal: &Signal, range: Subrange, how: Checked) -> Signal {
+    match signal {
+        Signal::Absent => return signal.clone(),
+        Signal::Const(value) => match value.as_int() {
+            Some(value) if !range.contains(value) => {
+                // A wrong constant is an error even if the call around it is not always needed.
+                let is_sure = !how.is_input && how.at.guard == elab.entered;
+                if how.at.guard.is_none() || is_sure {
+                    report_out_of_subrange(elab, value, range, how);
+                    return signal.clone();
+                }
+            }
+            _ => return signal.clone(),
+        },
+        _ if is_checked(elab, signal, range) => return signal.clone(),
+        _ => {}
+    }
+    let active = how.at.guard.map(Signal::Port);
+    let active = active.unwrap_or(Signal::Const(Value::bool(true)));
+    let [from, to] = range.bounds().map(|end| Signal::Const(Value::int(end)));
+    let inputs = [active, signal.clone(), from, to];
+    nodes::add_simple(elab, prim!("Rpi::IntWithin"), &inputs, how.at, how.span)
+}
+
+/// Returns whether a signal is the output of a check that implies this range.
+fn is_checked(elab: &Elab<'_>, signal: &Signal, range: Subrange) -> bool {
+    let Signal::Port(port) = signal else {
+        return false;
+    };
+    if alias_of(*port).is_some() {
+        return false;
+    }
+    let node = elab.net.node(port.node);
+    let end = |k: usize| match node.inputs.get(k) {
+        Some(Input::Const(value)) => value.as_int(),
+        _ => None,
+    };
+    let known = Subrange {
+        from: end(2),
+        to: end(3),
+    };
+    let is_always = matches!(node.inputs.first(), Some(Input::Const(_)));
+    node.prim == prim!("Rpi::IntWithin") && is_always && known.is_within(range)
+}
+
+fn report_out_of_subrange(elab: &mut Elab<'_>, value: i64, range: Subrange, how: Checked) {
+    let finding = outside(value, range).at(how.span, "in every cycle");
+    if elab.mode == Mode::Constant {
+        elab.fail(NotConstant::Fault(how.span, finding.message));
+        return;
+    }
+    elab.findings.push(match how.declared {
+        Some(declared) => finding.also(declared, "declared here"),
+        None => finding,
+    });
+}
+
+/// Returns the position of a leaf of a flow: in the fragment of its clock.
+fn leaf_position<'u>(
+    elab: &mut Elab<'u>,
+    scope: &mut Scope<'u>,
+    (flow, leaf): (FlowId, usize),
+    at: At,
+) -> At {
+    match clocks::clocked_facts(elab, scope) {
+        Some(facts) => clocks::clock_position(elab, scope, facts.clocks.flow(flow).leaf(leaf), at),
+        None => at,
+    }
+}
+
+/// Checks the fields that `x with .n = y` replaces.
+pub(in crate::elab) fn check_replaced<'u>(
+    elab: &mut Elab<'u>,
+    scope: &Scope<'u>,
+    wire: Wire,
+    [id, value]: [ExprId; 2],
+    offset: u32,
+    at: At,
+) -> Wire {
+    let unit = scope.unit;
+    let first = offset as usize;
+    let leaves = first..first + unit.expr(value).ty.leaf_count();
+    let place = (at, unit.expr(value).span);
+    check_leaves(elab, wire, &unit.expr(id).ty, leaves, place)
 }

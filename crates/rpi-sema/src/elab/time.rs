@@ -1,6 +1,8 @@
 //! Durations. Constants are kept in seconds, because the length of a cycle is known only to the core. In a net
 //! durations are numbers of ticks. Everything outside a command uses seconds.
 
+use super::expr;
+use super::nodes;
 use crate::elab::scope::Scope;
 use crate::elab::signal::{Signal, Wire};
 use crate::elab::{At, Elab, Mode, NotConstant};
@@ -18,90 +20,91 @@ const CONVERSIONS: [PrimId; 3] = [
     prim!("Rpi::SecondsFromTicks"),
 ];
 
-impl<'u> Elab<'u> {
-    /// Returns the signals of a constant, leaf by leaf, with durations converted to ticks.
-    pub(in crate::elab) fn constants(
-        &mut self,
-        leaves: &[Leaf],
-        ty: &Ty,
-        at: At,
-        span: Span,
-    ) -> Wire {
-        let mut times = Vec::new();
-        if self.mode != Mode::Constant {
-            ty.leaves(&mut |_, leaf| times.push(*leaf == Ty::Duration));
+/// Returns the signals of a constant, leaf by leaf, with durations converted to ticks.
+pub(in crate::elab) fn constants(
+    elab: &mut Elab<'_>,
+    leaves: &[Leaf],
+    ty: &Ty,
+    at: At,
+    span: Span,
+) -> Wire {
+    let mut times = Vec::new();
+    if elab.mode != Mode::Constant {
+        ty.leaves(&mut |_, leaf| times.push(*leaf == Ty::Duration));
+    }
+    let leaves = leaves.iter().cloned().enumerate();
+    let signals = leaves.map(|(k, leaf)| match times.get(k) {
+        Some(true) => fixed_ticks(elab, leaf, at, span),
+        _ => Signal::Const(leaf),
+    });
+    signals.collect()
+}
+
+fn fixed_ticks(elab: &mut Elab<'_>, seconds: Leaf, at: At, span: Span) -> Signal {
+    nodes::add_simple(
+        elab,
+        prim!("Rpi::WholeTicks"),
+        &[Signal::Const(seconds)],
+        at,
+        span,
+    )
+}
+
+/// Evaluates a primitive with durations in a constant. A conversion is the identity there, and other operations on
+/// ticks have no value; none for primitives without durations.
+pub(in crate::elab) fn constant_duration<'u>(
+    elab: &mut Elab<'u>,
+    scope: &mut Scope<'u>,
+    call: &'u PrimCall,
+    at: At,
+    span: Span,
+) -> Option<Wire> {
+    let is_time = |id: &ExprId| scope.unit.expr(*id).ty == Ty::Duration;
+    let inputs = call.inputs.iter().flatten();
+    if CONVERSIONS.contains(&call.prim) {
+        let first = *call.inputs.first()?.as_ref()?;
+        return Some(expr::elab_expr(elab, scope, first, at));
+    }
+    let mut times = inputs.filter(|id| is_time(id));
+    times.next()?;
+    Some(elab.fail(NotConstant::Flow(span)))
+}
+
+/// Converts an external leaf to the unit of the program: durations from seconds to ticks.
+pub(in crate::elab) fn convert_to_ticks(
+    elab: &mut Elab<'_>,
+    signal: Signal,
+    ty: &Ty,
+    at: At,
+    span: Span,
+) -> Signal {
+    match ty {
+        Ty::Duration => {
+            nodes::add_simple(elab, prim!("Rpi::TicksFromSeconds"), &[signal], at, span)
         }
-        let leaves = leaves.iter().cloned().enumerate();
-        let signals = leaves.map(|(k, leaf)| match times.get(k) {
-            Some(true) => self.fixed_ticks(leaf, at, span),
-            _ => Signal::Const(leaf),
-        });
-        signals.collect()
+        _ => signal,
     }
+}
 
-    fn fixed_ticks(&mut self, seconds: Leaf, at: At, span: Span) -> Signal {
-        self.simple(
-            prim!("Rpi::WholeTicks"),
-            &[Signal::Const(seconds)],
-            at,
-            span,
-        )
-    }
-
-    /// Evaluates a primitive with durations in a constant. A conversion is the identity there, and other operations on
-    /// ticks have no value; none for primitives without durations.
-    pub(in crate::elab) fn constant_time(
-        &mut self,
-        scope: &mut Scope<'u>,
-        call: &'u PrimCall,
-        at: At,
-        span: Span,
-    ) -> Option<Wire> {
-        let is_time = |id: &ExprId| scope.unit.expr(*id).ty == Ty::Duration;
-        let inputs = call.inputs.iter().flatten();
-        if CONVERSIONS.contains(&call.prim) {
-            let first = *call.inputs.first()?.as_ref()?;
-            return Some(self.expr(scope, first, at));
+/// Converts a leaf of the program to the unit used outside: durations from ticks to seconds.
+pub(in crate::elab) fn convert_to_seconds(
+    elab: &mut Elab<'_>,
+    signal: &Signal,
+    ty: &Ty,
+    at: At,
+    span: Span,
+) -> Signal {
+    let is_known = matches!(signal, Signal::Absent);
+    match ty {
+        Ty::Duration if !is_known => {
+            let inputs = std::slice::from_ref(signal);
+            nodes::add_simple(elab, prim!("Rpi::SecondsFromTicks"), inputs, at, span)
         }
-        let mut times = inputs.filter(|id| is_time(id));
-        times.next()?;
-        Some(self.fail(NotConstant::Flow(span)))
+        _ => signal.clone(),
     }
+}
 
-    /// Converts an external leaf to the unit of the program: durations from seconds to ticks.
-    pub(in crate::elab) fn in_ticks(
-        &mut self,
-        signal: Signal,
-        ty: &Ty,
-        at: At,
-        span: Span,
-    ) -> Signal {
-        match ty {
-            Ty::Duration => self.simple(prim!("Rpi::TicksFromSeconds"), &[signal], at, span),
-            _ => signal,
-        }
-    }
-
-    /// Converts a leaf of the program to the unit used outside: durations from ticks to seconds.
-    pub(in crate::elab) fn in_seconds(
-        &mut self,
-        signal: &Signal,
-        ty: &Ty,
-        at: At,
-        span: Span,
-    ) -> Signal {
-        let is_known = matches!(signal, Signal::Absent);
-        match ty {
-            Ty::Duration if !is_known => {
-                let inputs = std::slice::from_ref(signal);
-                self.simple(prim!("Rpi::SecondsFromTicks"), inputs, at, span)
-            }
-            _ => signal.clone(),
-        }
-    }
-
-    /// Returns the machine type of a leaf outside the program.
-    pub(in crate::elab) fn scalar_outside(ty: &Ty) -> Scalar {
-        crate::check::outside_type(ty).1
-    }
+/// Returns the machine type of a leaf outside the program.
+pub(in crate::elab) fn external_scalar(ty: &Ty) -> Scalar {
+    crate::check::outside_type(ty).1
 }
