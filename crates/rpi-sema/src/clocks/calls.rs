@@ -2,7 +2,7 @@
 //! names for the deciding flows.
 
 use crate::clocks::clock::{Clock, Decider, Tick};
-use crate::clocks::row::Row;
+use crate::clocks::leaf_clocks::Row;
 use crate::clocks::solve::Solver;
 use crate::typed::{Activation, BlockId, Call, ExprId, FlowId, Unit, UnitKind};
 

@@ -1,9 +1,9 @@
 //! Checks for clock mismatches. The message names both the clock found and the clock expected.
 
 use crate::clocks::clock::Clock;
-use crate::clocks::covered::Covered;
-use crate::clocks::row::Row;
+use crate::clocks::leaf_clocks::Row;
 use crate::clocks::solve::Solver;
+use crate::clocks::span_set::Covered;
 use crate::facts::Definition;
 use crate::typed::{Call, Each, Equation, ExprId, FlowId, Kind, Optional, Place};
 use rpi_diag::{Code, Finding, Fix, Span};

@@ -10,28 +10,28 @@
 //!
 //! | file | idea |
 //! |---|---|
-//! | `clock.rs`, `row.rs` | clocks during inference; the clocks of a value, leaf by leaf |
+//! | `clock.rs`, `leaf_clocks.rs` | clocks during inference; the clocks of a value, leaf by leaf |
 //! | `solve.rs`, `calls.rs` | greatest solution; clocks of a callee's ports in the caller's terms |
-//! | `decider.rs` | canonical names of deciding flows |
-//! | `place.rs` | constants take the clock of their readers |
-//! | `check.rs`, `mixed.rs`, `covered.rs` | clock mismatches |
-//! | `borders.rs` | flows of blocks that may be inactive |
+//! | `canonical_decider.rs` | canonical names of deciding flows |
+//! | `constants.rs` | constants take the clock of their readers |
+//! | `check.rs`, `initialisation.rs`, `span_set.rs` | clock mismatches |
+//! | `inactive_blocks.rs` | flows of blocks that may be inactive |
 
-mod borders;
 mod calls;
+pub(crate) mod canonical_decider;
 mod check;
 mod clock;
-mod covered;
-mod decider;
-mod mixed;
-mod place;
-mod row;
+pub(crate) mod constants;
+pub(crate) mod inactive_blocks;
+pub(crate) mod initialisation;
+pub(crate) mod leaf_clocks;
 mod solve;
+pub(crate) mod span_set;
 
-pub use borders::Borders;
+pub use crate::clocks::inactive_blocks::Borders;
+pub use crate::clocks::leaf_clocks::Row;
 pub(crate) use calls::may_be_inactive;
 pub use clock::{Decider, Tick};
-pub use row::Row;
 
 use crate::facts::Facts;
 use crate::hash::Map;

@@ -1,19 +1,19 @@
 //! Elaborates state machines: an integer register for the state, one fragment per state, and transitions as
 //! conditionals.
 
-use super::block;
-use super::call;
-use super::clocks;
-use super::each;
-use super::expr;
-use super::flows;
-use super::guarded;
-use super::landmarks;
-use super::leaving;
-use super::nodes;
-use super::pack;
+use crate::elab::arrays;
+use crate::elab::block;
+use crate::elab::call;
+use crate::elab::coverage_points;
+use crate::elab::elementwise;
+use crate::elab::expr;
 use crate::elab::expr::leaf_scalars;
-use crate::elab::families::Family;
+use crate::elab::flows;
+use crate::elab::fragment_outputs;
+use crate::elab::guards;
+use crate::elab::nodes;
+use crate::elab::primitive_family::Family;
+use crate::elab::sampled_flows;
 use crate::elab::scope::Scope;
 use crate::elab::signal::{Signal, Wire};
 use crate::elab::{At, Elab, Mode};
@@ -85,7 +85,7 @@ fn state_registers(
 ) -> (Next, [rpi_net::PortRef; 2]) {
     let next = [Scalar::Int, Scalar::Bool].map(|scalar| nodes::new_alias(elab, scalar));
     let first = nodes::first_port(elab, at.fragment, span);
-    let state = each::delay(
+    let state = elementwise::delay(
         elab,
         Family::Pre,
         Scalar::Int,
@@ -93,7 +93,7 @@ fn state_registers(
         at,
         span,
     );
-    let afresh = each::delay(
+    let afresh = elementwise::delay(
         elab,
         Family::Pre,
         Scalar::Bool,
@@ -160,8 +160,8 @@ fn guard_conditions<'u>(
     span: Span,
 ) -> At {
     let mut conditions = transitions.iter().filter_map(|one| one.condition);
-    match conditions.any(|one| guarded::elab_can_fault(elab, scope, one)) {
-        true => each::with_guard(elab, here.clone(), at, span),
+    match conditions.any(|one| guards::elab_can_fault(elab, scope, one)) {
+        true => elementwise::with_guard(elab, here.clone(), at, span),
         false => at,
     }
 }
@@ -193,7 +193,7 @@ fn check_transitions<'u>(
             exits.push((condition, transition.span));
         }
     }
-    landmarks::record_transitions(elab, choice.here, exits, choice.automaton, at);
+    coverage_points::record_transitions(elab, choice.here, exits, choice.automaton, at);
     next
 }
 
@@ -234,7 +234,7 @@ fn restart_condition(
     let and = prim!("Core::BooleanAnd");
     let later = nodes::new_alias(elab, Scalar::Bool);
     let no = Signal::Const(Value::bool(false));
-    let owed = each::delay(
+    let owed = elementwise::delay(
         elab,
         Family::Pre,
         Scalar::Bool,
@@ -277,7 +277,7 @@ fn state_fragment<'u>(
     let block = scope.unit.block(automaton.states[k].block);
     let path = format!("{}{}", scope.prefix, block.name);
     let activation = call::elab_activation(elab, here, at, block.span);
-    let restart = pack::port_of(elab, afresh, Scalar::Bool, at, block.span);
+    let restart = arrays::port_of(elab, afresh, Scalar::Bool, at, block.span);
     let restart = restart.map_or(Restart::Never, Restart::Every);
     call::elab_fragment(elab, &path, at.fragment, activation, restart, block.span)
 }
@@ -316,7 +316,7 @@ fn first_present<'u>(
     let mut merged: Option<Wire> = None;
     for inner in &shared.states {
         let place = scope.unit.flow(*inner).span;
-        let wire = leaving::read_flow(elab, scope, (*inner, true), at, place);
+        let wire = fragment_outputs::read_flow(elab, scope, (*inner, true), at, place);
         let Some(so_far) = merged else {
             merged = Some(wire);
             continue;
@@ -342,15 +342,15 @@ fn with_default<'u>(
 ) -> Wire {
     let span = scope.unit.flow(default).span;
     let scalars = leaf_scalars(&scope.unit.flow(shared.flow).ty);
-    let chosen = leaving::read_flow(elab, scope, (default, false), at, span);
-    let mut chosen = clocks::off_clock_absent(elab, scope, default, &chosen, span);
+    let chosen = fragment_outputs::read_flow(elab, scope, (default, false), at, span);
+    let mut chosen = sampled_flows::off_clock_absent(elab, scope, default, &chosen, span);
     for inner in &shared.states {
         let (block, place) = (scope.unit.flow(*inner).block, scope.unit.flow(*inner).span);
         let Some(k) = automaton.states.iter().position(|s| s.block == block) else {
             continue;
         };
         let here = is_state(elab, state, k, at, automaton.span);
-        let wire = leaving::read_flow(elab, scope, (*inner, true), at, place);
+        let wire = fragment_outputs::read_flow(elab, scope, (*inner, true), at, place);
         let pairs = wire.iter().zip(&*chosen).zip(&scalars);
         let either = pairs.map(|((own, other), scalar)| {
             let inputs = [here.clone(), own.clone(), other.clone()];

@@ -1,19 +1,19 @@
 //! Elaborates bodies: equations, claims, automata and blocks in place.
 
-use super::automaton;
-use super::call;
-use super::claims;
-use super::clocks;
-use super::device;
-use super::each;
-use super::expr;
-use super::flows;
-use super::leaving;
-use super::nodes;
-use super::subrange;
+use crate::elab::automaton;
+use crate::elab::call;
+use crate::elab::claims;
+use crate::elab::device;
+use crate::elab::elementwise;
+use crate::elab::expr;
 use crate::elab::expr::leaf_scalars;
+use crate::elab::flows;
+use crate::elab::fragment_outputs;
+use crate::elab::nodes;
+use crate::elab::sampled_flows;
 use crate::elab::scope::Scope;
 use crate::elab::signal::{Signal, Wire, alias_of};
+use crate::elab::subrange;
 use crate::elab::{At, Claims, Elab, Mode};
 use crate::ty::Ty;
 use crate::typed::{BlockId, Equation, Expr, Place, Target, Unit};
@@ -46,8 +46,8 @@ pub(in crate::elab) fn body<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>, at: 
         };
         elab_block_content(elab, scope, block, at);
     }
-    clocks::bind_outside_flows(elab, scope);
-    leaving::assign_pending_gates(elab, scope);
+    sampled_flows::bind_outside_flows(elab, scope);
+    fragment_outputs::assign_pending_gates(elab, scope);
 }
 
 /// Returns where a contract is elaborated: in the fragment of its parent block. None if claims are switched off.
@@ -138,8 +138,8 @@ fn elab_equation<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>, equation: &'u E
     let before = elab.net.nodes.len();
     let taken = equation.targets.iter().map(|t| t.ty.leaf_count());
     let taken = taken.sum::<usize>().max(1);
-    let wire = each::expr_leaves(elab, scope, equation.value, taken, at);
-    let wire = clocks::value_for_targets(elab, scope, equation, wire);
+    let wire = elementwise::expr_leaves(elab, scope, equation.value, taken, at);
+    let wire = sampled_flows::value_for_targets(elab, scope, equation, wire);
     let mut wire = subrange::check_targets(elab, scope, equation, wire, at);
     if elab.mode == Mode::Steps || elab.mode == Mode::Net && stays(scope.unit, equation) {
         wire = insert_copies(elab, &wire, scope.unit.expr(equation.value), at);

@@ -1,22 +1,22 @@
 //! Elaborates calls by inlining the callee at the place of the call.
 
-use super::allowance;
-use super::block;
-use super::clocks;
-use super::each;
-use super::entering;
-use super::expr;
-use super::flows;
-use super::guarded;
-use super::landmarks;
-use super::leaving;
-use super::nodes;
-use super::pack;
-use super::subrange;
+use crate::elab::arrays;
+use crate::elab::block;
+use crate::elab::coverage_points;
+use crate::elab::elementwise;
+use crate::elab::expr;
 use crate::elab::expr::leaf_scalars;
-use crate::elab::families::Family;
+use crate::elab::flows;
+use crate::elab::fragment_inputs;
+use crate::elab::fragment_outputs;
+use crate::elab::guards;
+use crate::elab::node_budget;
+use crate::elab::nodes;
+use crate::elab::primitive_family::Family;
+use crate::elab::sampled_flows;
 use crate::elab::scope::{Scope, State};
 use crate::elab::signal::{Signal, Wire};
+use crate::elab::subrange;
 use crate::elab::{At, Elab, MAX_DEPTH, Mode, NotConstant};
 use crate::typed::{Activation, BlockId, Call, ExprId, Unit, UnitId, UnitKind};
 use rpi_diag::{Code, Finding, Span};
@@ -55,7 +55,7 @@ pub(in crate::elab) fn elab_call<'u>(
         Activation::Always => results_of(elab, scope, call, (id, &args), at, path),
         Activation::Restart { every } => {
             let every = expr::elab_operand(elab, scope, [id, *every], at.unguarded());
-            let Some(every) = pack::port_of(elab, &every, Scalar::Bool, at, span) else {
+            let Some(every) = arrays::port_of(elab, &every, Scalar::Bool, at, span) else {
                 return crate::elab::signal::nothing();
             };
             let activation = net::Activation::Always;
@@ -79,9 +79,9 @@ pub(in crate::elab) fn elab_call<'u>(
             let inner = condact_fragment(elab, scope, &every, restart, &path, at, span);
             elab.keeps_results = !scope.unit.is_lustre;
             let result = results_of(elab, scope, call, (id, &args), At::fragment(inner), path);
-            let result = leaving::gate_wire(elab, &result, inner, at.fragment);
-            let default =
-                default.map(|one| clocks::operand_wire(elab, scope, [id, one], at.unguarded()));
+            let result = fragment_outputs::gate_wire(elab, &result, inner, at.fragment);
+            let default = default
+                .map(|one| sampled_flows::operand_wire(elab, scope, [id, one], at.unguarded()));
             let callee = &elab.units[call.unit.0 as usize];
             let run = Run {
                 every,
@@ -102,7 +102,7 @@ fn arguments<'u>(
     at: At,
 ) -> Vec<Option<Arg>> {
     let callee = &elab.units[call.unit.0 as usize];
-    let given = match guarded::is_guarded(elab, call) {
+    let given = match guards::is_guarded(elab, call) {
         true => at,
         // A callee with state runs in all cycles, whichever branch of an `if` is chosen, so its arguments are not
         // guarded.
@@ -114,7 +114,7 @@ fn arguments<'u>(
         let is_sampled = callee.flow(*port).clock.is_some();
         args.push(arg.map(|arg| Arg {
             wire: match is_sampled {
-                true => each::expr_leaves(elab, scope, arg, count, given),
+                true => elementwise::expr_leaves(elab, scope, arg, count, given),
                 false => argument(elab, scope, [id, arg], count, given),
             },
             span: scope.unit.expr(arg).span,
@@ -135,7 +135,7 @@ fn results_of<'u>(
     let span = scope.unit.expr(id).span;
     let wire = inline_unit(elab, call.unit, args, at, path, span);
     let exposed = std::mem::take(&mut elab.exposed);
-    clocks::bind_exposed(elab, scope, id, exposed);
+    sampled_flows::bind_exposed(elab, scope, id, exposed);
     wire
 }
 
@@ -147,7 +147,7 @@ fn argument<'u>(
     count: usize,
     at: At,
 ) -> Wire {
-    let wire = clocks::operand_wire(elab, scope, [id, arg], at);
+    let wire = sampled_flows::operand_wire(elab, scope, [id, arg], at);
     match (&wire[..], count) {
         ([Signal::Absent], n) if n != 1 => (0..n).map(|_| Signal::Absent).collect(),
         _ => wire,
@@ -175,7 +175,7 @@ fn condact_fragment<'u>(
 ) -> FragmentId {
     let at = at.unguarded();
     let restart = restart.map(|pair| expr::elab_operand(elab, scope, pair, at));
-    let restart = restart.and_then(|signal| pack::port_of(elab, &signal, Scalar::Bool, at, span));
+    let restart = restart.and_then(|signal| arrays::port_of(elab, &signal, Scalar::Bool, at, span));
     let restart = restart.map_or(Restart::Never, Restart::Every);
     let activation = elab_activation(elab, every, at, span);
     elab_fragment(elab, path, at.fragment, activation, restart, span)
@@ -191,7 +191,7 @@ pub(in crate::elab) fn elab_activation(
     if *condition == Signal::Const(Value::bool(true)) {
         return net::Activation::Always;
     }
-    match pack::port_of(elab, condition, Scalar::Bool, at, span) {
+    match arrays::port_of(elab, condition, Scalar::Bool, at, span) {
         Some(condition) => net::Activation::When {
             condition,
             absent: Absent::Inactive,
@@ -263,7 +263,7 @@ fn hold_leaf(
         true => Family::OptionalPre,
         false => Family::Pre,
     };
-    let before = each::delay(elab, pre, scalar, &alias, at, span);
+    let before = elementwise::delay(elab, pre, scalar, &alias, at, span);
     let before = match default {
         None => before,
         Some(default) => {
@@ -299,8 +299,8 @@ pub(in crate::elab) fn inline_unit(
     if elab.calling.len() >= MAX_DEPTH {
         return report_too_deep(elab, id, span);
     }
-    allowance::credit_text(elab, id);
-    if !allowance::charge_call(elab, span) {
+    node_budget::credit_text(elab, id);
+    if !node_budget::charge_call(elab, span) {
         return crate::elab::signal::nothing();
     }
     elab.calling.push(id);
@@ -327,7 +327,7 @@ fn inline_body<'u>(
         return elab.fail(NotConstant::Flow(span));
     }
     let keeps_results = std::mem::take(&mut elab.keeps_results);
-    landmarks::record_call(elab, unit);
+    coverage_points::record_call(elab, unit);
     let mut scope = Scope::new(unit, id);
     scope.called = Some(span);
     let in_fragment = unit.kind == UnitKind::Fragment && elab.mode != Mode::Constant;
@@ -337,7 +337,7 @@ fn inline_body<'u>(
         format!("{path}.")
     };
     elab.name.clone_from(&path);
-    let at = match guarded::is_stateless_expr(elab, id) {
+    let at = match guards::is_stateless_expr(elab, id) {
         true => at,
         false => at.unguarded(),
     };
@@ -348,7 +348,7 @@ fn inline_body<'u>(
         false => at,
     };
     if in_fragment {
-        entering::add_input_entries(elab, &mut scope, inner.fragment);
+        fragment_inputs::add_input_entries(elab, &mut scope, inner.fragment);
     }
     let around = std::mem::replace(&mut scope.base, inner.fragment);
     let spans: Vec<Option<Span>> = args.iter().map(|arg| Some(arg.as_ref()?.span)).collect();
@@ -363,9 +363,9 @@ fn inline_body<'u>(
     scope.base = around;
     elab.exposed = match elab.mode {
         Mode::Constant => Vec::new(),
-        _ => clocks::exposed_deciders(elab, &mut scope, id, span),
+        _ => sampled_flows::exposed_deciders(elab, &mut scope, id, span),
     };
-    leaving::gate_wire(elab, &leaves, inner.fragment, at.fragment)
+    fragment_outputs::gate_wire(elab, &leaves, inner.fragment, at.fragment)
 }
 
 /// Returns the leaves of a unit's outputs. If `is_lifted`, they are made readable in all cycles of the unit.
@@ -374,7 +374,7 @@ fn outputs_of<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>, is_lifted: bool, s
     for output in &scope.unit.outputs {
         let mut wire = flows::elab_flow(elab, scope, *output, span);
         if is_lifted {
-            wire = clocks::off_clock_absent(elab, scope, *output, &wire, span);
+            wire = sampled_flows::off_clock_absent(elab, scope, *output, &wire, span);
         }
         leaves.extend(wire.iter().cloned());
     }

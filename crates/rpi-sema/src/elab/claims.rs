@@ -3,10 +3,10 @@
 //! A claim is left out, or ends the command if it fails, or is exported together with the flows that it reads, so that
 //! the host sees which claim fails and with which values.
 
-use super::block;
-use super::expr;
-use super::flows;
-use super::root;
+use crate::elab::block;
+use crate::elab::entry_point;
+use crate::elab::expr;
+use crate::elab::flows;
 use crate::elab::scope::Scope;
 use crate::elab::signal::{Signal, nothing};
 use crate::elab::{At, Elab, Mode};
@@ -88,7 +88,7 @@ fn export_claim<'u>(
     let fragment = fragment_around(scope, block);
     let key = claim_key(elab.net.claims.len() + 1);
     let condition = expr::imply_guard(elab, condition, at, claim.span);
-    let port = root::export_port(elab, &key, &condition, &Ty::Bool, at, claim.span);
+    let port = entry_point::export_port(elab, &key, &condition, &Ty::Bool, at, claim.span);
     elab.watched.extend(port);
     let mut parts = Vec::new();
     parts_of(scope, claim.condition, &mut parts);
@@ -147,7 +147,7 @@ fn export_part<'u>(
     let mut reads = Vec::new();
     for ((name, ty), signal) in leaves.take(part.count) {
         let key = read_key(claim, &name);
-        let port = root::export_port(elab, &key, signal, &ty, At::ROOT, expr.span);
+        let port = entry_point::export_port(elab, &key, signal, &ty, At::ROOT, expr.span);
         let ty = crate::check::outside_type(&ty).0;
         elab.watched.extend(port);
         reads.push(ClaimRead {

@@ -1,14 +1,15 @@
 //! Elaborates reads and writes of device ports.
 
-use super::each;
-use super::expr;
-use super::flows;
-use super::nodes;
-use super::subrange;
+use crate::elab::elementwise;
+use crate::elab::expr;
 use crate::elab::expr::leaf_scalars;
-use crate::elab::families::{Family, member};
+use crate::elab::flows;
+use crate::elab::nodes;
+use crate::elab::primitive_family::Family;
+use crate::elab::primitive_family::member;
 use crate::elab::scope::Scope;
 use crate::elab::signal::{Signal, Wire, nothing};
+use crate::elab::subrange;
 use crate::elab::{At, Elab, Mode, NotConstant};
 use crate::ty::{DevicePortTy, DeviceTy, Ty};
 use crate::typed::{ExprId, FlowId, Target};
@@ -110,7 +111,7 @@ fn read(
 }
 
 fn device_name(elab: &Elab<'_>, signal: &Signal) -> Option<String> {
-    each::constant_value(elab, signal)?
+    elementwise::constant_value(elab, signal)?
         .as_str()
         .map(str::to_owned)
 }

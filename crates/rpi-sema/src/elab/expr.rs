@@ -1,22 +1,22 @@
 //! Elaborates expressions, one method per kind.
 
-use super::allowance;
-use super::call;
-use super::clocks;
-use super::device;
-use super::each;
-use super::guarded;
-use super::leaving;
-use super::needed;
-use super::nodes;
-use super::root;
-use super::subrange;
-use super::time;
 use crate::clocks::ClockId;
-use crate::elab::families::Family;
-use crate::elab::pack::natural;
+use crate::elab::arrays::natural;
+use crate::elab::call;
+use crate::elab::device;
+use crate::elab::elementwise;
+use crate::elab::entry_point;
+use crate::elab::fragment_outputs;
+use crate::elab::guards;
+use crate::elab::node_budget;
+use crate::elab::nodes;
+use crate::elab::primitive_family::Family;
+use crate::elab::sampled_flows;
 use crate::elab::scope::Scope;
+use crate::elab::short_circuit;
 use crate::elab::signal::{Given, Signal, Wire, nothing, single};
+use crate::elab::subrange;
+use crate::elab::time;
 use crate::elab::{At, Elab, Mode, NotConstant};
 use crate::typed::{Activation, ExprId, Kind, PrimCall};
 use rpi_diag::{Finding, Span};
@@ -53,13 +53,11 @@ pub(in crate::elab) fn elab_expr<'u>(
     if elab.allowance.is_used_up {
         return nothing();
     }
-    let at = clocks::position_of(elab, scope, id, at);
+    let at = sampled_flows::position_of(elab, scope, id, at);
     innermost_first(elab, scope, id, at);
     let wire = elaborate_expr(elab, scope, id, at);
-    allowance::charge_leaves(elab, wire.len(), scope.unit.expr(id).span);
-    let guard = at
-        .guard
-        .filter(|_| guarded::elab_can_fault(elab, scope, id));
+    node_budget::charge_leaves(elab, wire.len(), scope.unit.expr(id).span);
+    let guard = at.guard.filter(|_| guards::elab_can_fault(elab, scope, id));
     scope.remember(id, &wire, guard);
     wire
 }
@@ -102,11 +100,11 @@ fn elaborate_expr<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>, id: ExprId, at
         Kind::None => (0..expr.ty.leaf_count().max(1))
             .map(|_| Signal::Absent)
             .collect(),
-        Kind::Outside => root::open_value(elab, scope, id, at),
+        Kind::Outside => entry_point::open_value(elab, scope, id, at),
         Kind::Flow(flow) => {
-            let facts = clocks::facts_of(elab, scope);
+            let facts = sampled_flows::facts_of(elab, scope);
             let outside = facts.is_some_and(|facts| facts.clocks.is_outside(id));
-            leaving::read_flow(elab, scope, (*flow, outside), at, span)
+            fragment_outputs::read_flow(elab, scope, (*flow, outside), at, span)
         }
         Kind::Sensor { device, port } => device::sensor(elab, scope, *device, *port, at, span),
         Kind::Part { base, at: offset } => {
@@ -133,14 +131,16 @@ fn elaborate_expr<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>, id: ExprId, at
             }
             subrange::check_replaced(elab, scope, wire.into(), [id, *value], *offset, at)
         }
-        Kind::Each(each, operands) => each::elementwise(elab, scope, *each, operands, id, at),
+        Kind::Each(each, operands) => {
+            elementwise::elementwise(elab, scope, *each, operands, id, at)
+        }
         Kind::Equal { operands, negated } => equal(elab, scope, id, *operands, *negated, at),
         Kind::Present(operand) => present(elab, scope, [id, *operand], at, span),
         Kind::Prim(call) => prim_call(elab, scope, call, id, at),
         Kind::Call(call) => call::elab_call(elab, scope, call, id, at),
-        Kind::When { value, .. } => clocks::sampled_value(elab, scope, [id, *value], at),
-        Kind::Merge { on, cases } => clocks::merge(elab, scope, *on, cases, id, at),
-        Kind::Current(operand) => clocks::elab_current(elab, scope, [id, *operand], at),
+        Kind::When { value, .. } => sampled_flows::sampled_value(elab, scope, [id, *value], at),
+        Kind::Merge { on, cases } => sampled_flows::merge(elab, scope, *on, cases, id, at),
+        Kind::Current(operand) => sampled_flows::elab_current(elab, scope, [id, *operand], at),
     }
 }
 
@@ -169,7 +169,7 @@ pub(in crate::elab) fn elab_condition<'u>(
     id: ExprId,
     at: At,
 ) -> Signal {
-    let wire = clocks::read_at(elab, scope, id, ClockId::BASE, at);
+    let wire = sampled_flows::read_at(elab, scope, id, ClockId::BASE, at);
     wire.first().cloned().unwrap_or(Signal::Absent)
 }
 
@@ -180,7 +180,7 @@ pub(in crate::elab) fn elab_operand<'u>(
     pair: [ExprId; 2],
     at: At,
 ) -> Signal {
-    let wire = clocks::operand_wire(elab, scope, pair, at);
+    let wire = sampled_flows::operand_wire(elab, scope, pair, at);
     wire.first().cloned().unwrap_or(Signal::Absent)
 }
 
@@ -224,7 +224,7 @@ fn select<'u>(
     at: At,
 ) -> Wire {
     let span = scope.unit.expr(id).span;
-    let wire = clocks::operand_wire(elab, scope, [id, base], at);
+    let wire = sampled_flows::operand_wire(elab, scope, [id, base], at);
     let index = elab_operand(elab, scope, [id, index], at);
     let scalars = leaf_scalars(&scope.unit.expr(id).ty);
     let size = scalars.len().max(1);
@@ -337,7 +337,8 @@ fn equal<'u>(
 ) -> Wire {
     let span = scope.unit.expr(id).span;
     let scalars = leaf_scalars(&scope.unit.expr(operands[0]).ty);
-    let [a, b] = operands.map(|operand| clocks::operand_wire(elab, scope, [id, operand], at));
+    let [a, b] =
+        operands.map(|operand| sampled_flows::operand_wire(elab, scope, [id, operand], at));
     let mut all: Option<Signal> = None;
     for ((a, b), scalar) in a.iter().zip(b.iter()).zip(scalars) {
         let same = nodes::add_family_member(
@@ -369,7 +370,7 @@ fn present<'u>(
     span: Span,
 ) -> Wire {
     let scalars = leaf_scalars(&scope.unit.expr(operand).ty);
-    let wire = clocks::operand_wire(elab, scope, [id, operand], at);
+    let wire = sampled_flows::operand_wire(elab, scope, [id, operand], at);
     let mut all = Signal::Const(Value::bool(true));
     for (signal, scalar) in wire.iter().zip(scalars) {
         let there = match signal {
@@ -445,7 +446,7 @@ fn not_present<'u>(
     if call.prim != prim!("Core::BooleanNot") {
         return None;
     }
-    let wire = clocks::operand_wire(elab, scope, [operand, tested], at);
+    let wire = sampled_flows::operand_wire(elab, scope, [operand, tested], at);
     let is_flow = matches!(wire.first()?, Signal::Port(_) | Signal::Element(..));
     is_flow.then(|| {
         single(nodes::add_family_member(
@@ -475,7 +476,7 @@ fn prim_call<'u>(
     if let Some(test) = not_present(elab, scope, call, id, at) {
         return test;
     }
-    if let Some(decided) = needed::short_circuit(elab, scope, call, id, at) {
+    if let Some(decided) = short_circuit::short_circuit(elab, scope, call, id, at) {
         return decided;
     }
     let desc = call.prim.desc();
@@ -486,7 +487,7 @@ fn prim_call<'u>(
     if let Some(known) = elab.of_cycle.get(&key).filter(|_| is_of_cycle) {
         return known.clone();
     }
-    let at = match crate::elab::guarded::has_state(call) {
+    let at = match crate::elab::guards::has_state(call) {
         true => at.unguarded(),
         false => at,
     };
@@ -499,7 +500,7 @@ fn prim_call<'u>(
     };
     let wire = match at
         .guard
-        .and_then(|guard| crate::elab::guarded::twin(call.prim).map(|twin| (guard, twin)))
+        .and_then(|guard| crate::elab::guards::twin(call.prim).map(|twin| (guard, twin)))
     {
         Some((guard, twin)) => {
             let guard = single(Signal::Port(guard));
@@ -522,7 +523,7 @@ fn primitive_argument<'u>(
     port: PortType,
     at: At,
 ) -> (Type, Wire) {
-    let wire = clocks::operand_wire(elab, scope, pair, at);
+    let wire = sampled_flows::operand_wire(elab, scope, pair, at);
     let known = crate::check::machine_type(&scope.unit.expr(pair[1]).ty);
     let is_array = !matches!(port, PortType::One(_));
     let ty = known.filter(|_| is_array);
@@ -547,7 +548,7 @@ fn primitive_params<'u>(
         let wire = elab_expr(elab, scope, *id, at);
         let values: Option<Vec<Value>> = wire
             .iter()
-            .map(|signal| each::constant_value(elab, signal))
+            .map(|signal| elementwise::constant_value(elab, signal))
             .collect();
         let value = values.and_then(|values| match param.ty {
             ParamType::Array(scalar) => Some(crate::check::packed(scalar, &values)),

@@ -1,13 +1,13 @@
 //! Reads and definitions of flows.
 
-use super::allowance;
-use super::clocks;
-use super::expr;
-use super::nodes;
-use super::subrange;
+use crate::elab::expr;
 use crate::elab::expr::leaf_scalars;
+use crate::elab::node_budget;
+use crate::elab::nodes;
+use crate::elab::sampled_flows;
 use crate::elab::scope::{Scope, State};
 use crate::elab::signal::{Signal, Wire, alias_of, nothing};
+use crate::elab::subrange;
 use crate::elab::{At, Elab, Mode, NotConstant};
 use crate::ty::Ty;
 use crate::typed::{Equation, FlowId, FlowRole, Place, Target};
@@ -37,7 +37,7 @@ pub(in crate::elab) fn elab_flow<'u>(
 }
 
 pub(in crate::elab) fn alias_wire(elab: &mut Elab<'_>, ty: &Ty, span: Span) -> Wire {
-    if !allowance::charge_leaves(elab, ty.leaf_count(), span) {
+    if !node_budget::charge_leaves(elab, ty.leaf_count(), span) {
         return nothing();
     }
     let scalars = leaf_scalars(ty);
@@ -107,7 +107,7 @@ pub(in crate::elab) fn define<'u>(
         return;
     }
     let wire = elab_flow(elab, scope, flow, scope.unit.flow(flow).span);
-    let has_clocks = clocks::facts_of(elab, scope).is_some_and(|facts| facts.clocks.any());
+    let has_clocks = sampled_flows::facts_of(elab, scope).is_some_and(|facts| facts.clocks.any());
     for (k, signal) in part.iter().enumerate() {
         if let Some(Signal::Port(port)) = wire.get(at + k) {
             bind(elab, *port, signal);

@@ -9,54 +9,54 @@
 //! | file | idea |
 //! |---|---|
 //! | `signal.rs` | signal that a leaf is connected to |
-//! | `families.rs` | primitives that exist once per value type |
-//! | `nodes.rs`, `pack.rs`, `promise.rs` | adding and folding nodes; arrays at ports |
-//! | `scope.rs`, `slots.rs`, `flows.rs` | one inlined unit and its flows |
-//! | `expr.rs`, `each.rs`, `guarded.rs`, `needed.rs`, `call.rs`, `time.rs` | expressions |
-//! | `block.rs`, `claims.rs`, `automaton.rs`, `clocks.rs` | bodies, claims, automata, sampled flows |
-//! | `leaving.rs`, `entering.rs` | outputs and inputs of fragments |
+//! | `primitive_family.rs` | primitives that exist once per value type |
+//! | `nodes.rs`, `arrays.rs`, `deferred_arrays.rs` | adding and folding nodes; arrays at ports |
+//! | `scope.rs`, `index_map.rs`, `flows.rs` | one inlined unit and its flows |
+//! | `expr.rs`, `elementwise.rs`, `guards.rs`, `short_circuit.rs`, `call.rs`, `time.rs` | expressions |
+//! | `block.rs`, `claims.rs`, `automaton.rs`, `sampled_flows.rs` | bodies, claims, automata, sampled flows |
+//! | `fragment_outputs.rs`, `fragment_inputs.rs` | outputs and inputs of fragments |
 //! | `subrange.rs` | run-time checks of subranges |
-//! | `device.rs`, `root.rs`, `settle.rs` | devices, entry points (commands and nodes), resolving aliases |
+//! | `device.rs`, `entry_point.rs`, `resolve_aliases.rs` | devices, entry points (commands and nodes), resolving aliases |
 
-mod allowance;
+pub(crate) mod arrays;
 mod automaton;
 mod block;
 mod call;
 mod claims;
-mod clocks;
+pub(crate) mod coverage_points;
+pub(crate) mod deferred_arrays;
 mod device;
-mod each;
-mod entering;
+pub(crate) mod elementwise;
+pub(crate) mod entry_point;
 mod expr;
-mod families;
 mod flows;
-mod guarded;
-mod landmarks;
-mod leaving;
-mod needed;
+pub(crate) mod fragment_inputs;
+pub(crate) mod fragment_outputs;
+pub(crate) mod guards;
+pub(crate) mod index_map;
+pub(crate) mod node_budget;
 mod nodes;
-mod pack;
-mod promise;
-mod room;
-mod root;
+pub(crate) mod primitive_family;
+pub(crate) mod resolve_aliases;
+pub(crate) mod sampled_flows;
 mod scope;
-mod settle;
+pub(crate) mod short_circuit;
 mod signal;
-mod slots;
+pub(crate) mod size_budget;
 mod subrange;
 mod time;
 
-pub use claims::Claims;
-pub use room::{MAX_STEPS, MAX_TASKS_IN_A_ROW, Room, task_too_large};
-pub use root::{
+pub use crate::elab::entry_point::{
     Argument, Elaborated, Local, PortShape, elaborate, elaborate_alone, elaborate_steps,
     hides_ring, parameters,
 };
+pub use crate::elab::size_budget::{MAX_STEPS, MAX_TASKS_IN_A_ROW, Room, task_too_large};
+pub use claims::Claims;
 
+pub use crate::elab::short_circuit::Operand;
 use crate::facts::Facts;
 use crate::hash::{Map, Set};
 use crate::typed::{ExprId, Leaf, Unit, UnitId};
-pub use needed::Operand;
 use rpi_diag::{Finding, Span};
 use rpi_image::Scalar;
 use rpi_net::{FragmentId, Net, PortRef, Side};
@@ -180,13 +180,13 @@ struct Elab<'u> {
     /// Fragments of blocks in place.
     in_place: Set<FragmentId>,
     /// Arrays whose leaves are not known yet, in the order of their aliases.
-    promises: Vec<promise::Promise>,
+    promises: Vec<crate::elab::deferred_arrays::Promise>,
     /// Port of `first` in each fragment.
     firsts: Map<FragmentId, PortRef>,
     /// Inputs of the cycle (`time`, `cancel`) that have been read in each fragment.
     of_cycle: Map<(FragmentId, PrimId), signal::Wire>,
     /// Fragments of clocks.
-    clocks: Map<clocks::ClockKey, FragmentId>,
+    clocks: Map<crate::elab::sampled_flows::ClockKey, FragmentId>,
     /// Deciders exposed by the unit that was inlined last.
     exposed: Vec<Signal>,
     /// Whether the next inlined unit's results are kept while it does not run.
@@ -199,7 +199,7 @@ struct Elab<'u> {
     /// Sensor ports that have been read.
     sensors: Map<(String, String, u32), PortRef>,
     /// Cache of the properties of units.
-    within: Map<UnitId, Rc<guarded::WithinUnit>>,
+    within: Map<UnitId, Rc<crate::elab::guards::WithinUnit>>,
     /// First reason why the constant cannot be evaluated.
     failure: Option<NotConstant>,
     /// Name of the flow that is being defined, prefixed by the path of calls.
@@ -213,7 +213,7 @@ struct Elab<'u> {
     /// Stack of the calls that are being inlined, outermost first.
     calling: Vec<UnitId>,
     /// Remaining budget for expanded code.
-    allowance: allowance::Allowance,
+    allowance: crate::elab::node_budget::Allowance,
     findings: Vec<Finding>,
     /// Whether any claim was found.
     has_claims: bool,
@@ -261,7 +261,7 @@ impl<'u> Elab<'u> {
             serial: 0,
             entered: None,
             calling: Vec::new(),
-            allowance: allowance::Allowance::new(),
+            allowance: crate::elab::node_budget::Allowance::new(),
             findings: Vec::new(),
             has_claims: false,
             operands: Vec::new(),

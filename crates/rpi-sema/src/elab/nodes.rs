@@ -1,10 +1,11 @@
 //! Adds nodes to the net. A node whose result is known is folded instead.
 
-use super::allowance;
-use super::pack;
-use super::promise;
-use crate::elab::families::{Family, member};
-use crate::elab::pack::natural;
+use crate::elab::arrays;
+use crate::elab::arrays::natural;
+use crate::elab::deferred_arrays;
+use crate::elab::node_budget;
+use crate::elab::primitive_family::Family;
+use crate::elab::primitive_family::member;
 use crate::elab::signal::{Given, Signal, Wire, alias, alias_of, single};
 use crate::elab::{At, Elab, Mode, NotConstant};
 use crate::typed::Leaf;
@@ -44,7 +45,7 @@ pub(in crate::elab) fn add_prim_typed(
     let mut connected = Inputs::with_capacity(inputs.len());
     for (port, given) in prim.desc().inputs.iter().zip(inputs) {
         let input = match given {
-            Some((ty, wire)) => pack::elab_input(elab, &wire, ty, at, span),
+            Some((ty, wire)) => arrays::elab_input(elab, &wire, ty, at, span),
             None => open(port.need, port.ty),
         };
         connected.push(input);
@@ -85,7 +86,7 @@ pub(in crate::elab) fn add_simple(
     let mut connected = Inputs::with_capacity(inputs.len());
     for (port, signal) in prim.desc().inputs.iter().zip(inputs) {
         let ty = natural(port.ty, 1);
-        connected.push(pack::elab_input(
+        connected.push(arrays::elab_input(
             elab,
             std::slice::from_ref(signal),
             ty,
@@ -142,7 +143,7 @@ pub(in crate::elab) fn add_node(
 ) -> NodeId {
     let name = numbered(&elab.name, elab.serial);
     // Over budget, node 0 is returned so that the elaboration can finish. The error has been reported.
-    if !allowance::charge_node(elab, &name, span) && !elab.net.nodes.is_empty() {
+    if !node_budget::charge_node(elab, &name, span) && !elab.net.nodes.is_empty() {
         return NodeId(0);
     }
     elab.serial += 1;
@@ -200,7 +201,9 @@ fn input_type(elab: &Elab<'_>, input: &Input) -> Option<Type> {
     match input {
         Input::Open => None,
         Input::Const(value) => value.ty(),
-        Input::Port(port) if alias_of(*port).is_some() => promise::deferred_type(elab, *port),
+        Input::Port(port) if alias_of(*port).is_some() => {
+            deferred_arrays::deferred_type(elab, *port)
+        }
         Input::Port(port) => elab
             .net
             .node(port.node)

@@ -2,9 +2,9 @@
 //! far.
 
 use crate::clocks::ClockId;
-use crate::elab::leaving::Leaving;
+use crate::elab::fragment_outputs::Leaving;
+use crate::elab::index_map::Slots;
 use crate::elab::signal::Wire;
-use crate::elab::slots::Slots;
 use crate::hash::Map;
 use crate::typed::{BlockId, ExprId, FlowId, Unit, UnitId};
 use rpi_diag::Span;

@@ -1,9 +1,9 @@
 //! Run-time checks of subranges. A flow with a subrange type is checked where it is defined, passed as an argument or
 //! stored in a struct. The check passes the value on, so that all readers depend on the check.
 
-use super::clocks;
-use super::nodes;
 use crate::check::outside;
+use crate::elab::nodes;
+use crate::elab::sampled_flows;
 use crate::elab::scope::{Scope, State};
 use crate::elab::signal::{Signal, Wire, alias_of};
 use crate::elab::{At, Elab, Mode, NotConstant};
@@ -244,8 +244,10 @@ fn leaf_position<'u>(
     (flow, leaf): (FlowId, usize),
     at: At,
 ) -> At {
-    match clocks::clocked_facts(elab, scope) {
-        Some(facts) => clocks::clock_position(elab, scope, facts.clocks.flow(flow).leaf(leaf), at),
+    match sampled_flows::clocked_facts(elab, scope) {
+        Some(facts) => {
+            sampled_flows::clock_position(elab, scope, facts.clocks.flow(flow).leaf(leaf), at)
+        }
         None => at,
     }
 }

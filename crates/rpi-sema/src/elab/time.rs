@@ -1,8 +1,8 @@
 //! Durations. Constants are kept in seconds, because the length of a cycle is known only to the core. In a net
 //! durations are numbers of ticks. Everything outside a command uses seconds.
 
-use super::expr;
-use super::nodes;
+use crate::elab::expr;
+use crate::elab::nodes;
 use crate::elab::scope::Scope;
 use crate::elab::signal::{Signal, Wire};
 use crate::elab::{At, Elab, Mode, NotConstant};

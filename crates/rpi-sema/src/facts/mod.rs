@@ -4,13 +4,13 @@
 //! A pass is a function from units to facts and diagnostics. It must not change the units.
 
 mod absence;
-mod demand;
-mod exclusive;
-mod handed;
+pub(crate) mod dependents;
+pub(crate) mod exclusive_fragments;
 mod presence;
-mod reads;
+pub(crate) mod presence_check;
+pub(crate) mod takeover;
 
+pub(crate) use crate::facts::dependents::{Definition, Reads};
+pub(crate) use crate::facts::exclusive_fragments::literal;
 pub use absence::Absence;
-pub(crate) use exclusive::literal;
 pub use presence::{Facts, find};
-pub(crate) use reads::{Definition, Reads};

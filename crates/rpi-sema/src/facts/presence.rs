@@ -5,7 +5,8 @@
 
 use crate::clocks::{self, Borders, ClockId, Clocks};
 use crate::facts::Absence;
-use crate::facts::reads::{Definition, Reads};
+use crate::facts::dependents::Definition;
+use crate::facts::dependents::Reads;
 use crate::ty::Ty;
 use crate::typed::{
     Activation, BlockId, Call, Each, ExprId, FlowId, Kind, Optional, Place, PrimCall, Unit,
@@ -57,7 +58,7 @@ pub fn find(units: &[Unit], sound: &[bool]) -> (Vec<Facts>, Vec<Finding>) {
     }
     let mut findings: Vec<Finding> = all.into_iter().flatten().collect();
     for task in units {
-        crate::facts::handed::handed(units, &facts, task, &mut findings);
+        crate::facts::takeover::handed(units, &facts, task, &mut findings);
     }
     (facts, findings)
 }
@@ -77,7 +78,7 @@ fn of_unit(units: &[Unit], facts: &[Facts], unit: &Unit) -> (Facts, Vec<Finding>
     let reads = Reads::new(unit);
     inference.solve(&reads);
     let mut absent = Vec::new();
-    crate::facts::demand::demand(&inference, &reads, &mut absent);
+    crate::facts::presence_check::demand(&inference, &reads, &mut absent);
     keep_causes(&mut absent, &apart);
     findings.append(&mut absent);
     let (exprs, flows) = (inference.exprs, inference.flows);
@@ -441,7 +442,7 @@ impl<'u> Inference<'u> {
 
     fn covers(&self, a: ExprId, b: ExprId) -> bool {
         let total = |flow: FlowId| !self.flows[flow.0 as usize].any();
-        crate::facts::exclusive::covers(self.unit, a, b, total)
+        crate::facts::exclusive_fragments::covers(self.unit, a, b, total)
     }
 
     /// Returns for each output of a primitive whether it can be absent.
@@ -586,7 +587,7 @@ impl<'u> Inference<'u> {
                 finding.help("handle the absence: `x ?? other`, `hold(x, init)`, or `present(x)`")
             }
         };
-        match crate::facts::demand::origin(self, id, reader) {
+        match crate::facts::presence_check::origin(self, id, reader) {
             Some((span, text)) => finding.also(span, text),
             None => finding,
         }

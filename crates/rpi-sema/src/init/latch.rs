@@ -5,7 +5,8 @@
 //! from the cycle before, for all other nodes from the same cycle. The delays, the held value and the reader must be in
 //! one fragment, so that they share the same cycles and restarts.
 
-use crate::init::known::{Condition, Unless};
+use crate::init::abstract_value::Condition;
+use crate::init::abstract_value::Unless;
 use crate::init::rules::Rule;
 use crate::init::solve::Solution;
 use rpi_image::{Role, State};

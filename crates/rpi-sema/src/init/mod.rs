@@ -9,25 +9,25 @@
 //!
 //! | file | idea |
 //! |---|---|
-//! | `claims.rs` | claims of Lustre, which may read uninitialised values |
-//! | `glance.rs` | fast pre-check, which most nets pass |
-//! | `known.rs` | abstract value of a flow in one phase |
+//! | `lenient_claims.rs` | claims of Lustre, which may read uninitialised values |
+//! | `precheck.rs` | fast pre-check, which most nets pass |
+//! | `abstract_value.rs` | abstract value of a flow in one phase |
 //! | `latch.rs` | latches: `seen = c or (false -> pre seen)` |
 //! | `phases.rs` | phases: the first cycles of a fragment and of its parent |
 //! | `rules.rs` | transfer function of each kind of primitive |
-//! | `order.rs`, `solve.rs` | least solution |
+//! | `worklist.rs`, `solve.rs` | least solution |
 
-mod claims;
-mod glance;
-mod known;
+pub(crate) mod abstract_value;
 mod latch;
-mod order;
+pub(crate) mod lenient_claims;
 mod phases;
+pub(crate) mod precheck;
 mod rules;
 mod solve;
+pub(crate) mod worklist;
 
 use crate::hash::{Map, Set};
-use known::Known;
+use crate::init::abstract_value::Known;
 use phases::PHASES;
 use rpi_diag::{Code, Finding, Fix, Span};
 use rpi_image::{Role, State};
@@ -44,14 +44,14 @@ use solve::Solution;
 #[must_use]
 pub fn check(net: &Net) -> Vec<Finding> {
     let rules = rules::rules(net);
-    let read = || sinks(net).chain(claims::looked_at(net));
-    if !rules.contains(&Rule::Delay) || !glance::doubts(net, &rules, read()) {
+    let read = || sinks(net).chain(crate::init::lenient_claims::looked_at(net));
+    if !rules.contains(&Rule::Delay) || !crate::init::precheck::doubts(net, &rules, read()) {
         return Vec::new();
     }
     let given: Vec<PortRef> = asserted(net).chain(given(net)).collect();
     let solution = Solution::new(net, rules.clone(), &given);
     let roots = all_roots(&solution, &rules, &given);
-    let in_claims = claims::findings(net, &rules, &roots, &given);
+    let in_claims = crate::init::lenient_claims::findings(net, &rules, &roots, &given);
     let mut findings: Vec<Finding> = Vec::new();
     let mut by_flow: Vec<(Option<&str>, Vec<NodeId>)> = Vec::new();
     let mut places: Map<&str, usize> = Map::default();

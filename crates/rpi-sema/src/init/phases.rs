@@ -1,7 +1,7 @@
 //! Phases of a fragment: its first cycles one by one, and all later cycles together. Relates the phases of a fragment
 //! to those of its parent.
 
-use crate::init::known::Known;
+use crate::init::abstract_value::Known;
 
 /// Number of phases. The last one stands for all cycles from there on.
 pub(in crate::init) const PHASES: usize = 5;

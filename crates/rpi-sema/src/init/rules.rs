@@ -1,7 +1,7 @@
 //! Transfer functions: compute the abstract value of a node from those of its inputs.
 
 use crate::hash::Map;
-use crate::init::known::Known;
+use crate::init::abstract_value::Known;
 use crate::init::latch;
 use crate::init::phases::{Active, PHASES};
 use crate::init::solve::{Seen, Solution, before};

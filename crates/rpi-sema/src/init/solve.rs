@@ -1,7 +1,9 @@
 //! Least solution: the abstract value of every flow in every phase.
 
 use crate::hash::Set;
-use crate::init::known::{Condition, Known, Unless};
+use crate::init::abstract_value::Condition;
+use crate::init::abstract_value::Known;
+use crate::init::abstract_value::Unless;
 use crate::init::phases::{Active, PHASES, PerPhase, PhaseSet, REST, parents};
 use crate::init::rules::{Rule, is_by_first};
 use rpi_image::Value;
@@ -53,8 +55,8 @@ impl<'n> Solution<'n> {
 
     fn solve(&mut self) {
         let net = self.net;
-        let readers = crate::init::order::Readers::new(net);
-        let mut open = crate::init::order::Agenda::all(net);
+        let readers = crate::init::worklist::Readers::new(net);
+        let mut open = crate::init::worklist::Agenda::all(net);
         while let Some(id) = open.next() {
             let next: PerPhase<Known> = std::array::from_fn(|phase| {
                 let known = self.of_node(id, phase);

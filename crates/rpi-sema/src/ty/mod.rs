@@ -3,13 +3,13 @@
 //! Composite types are split into their [leaves](Ty::leaves) when a program is elaborated to a net. Nothing after the
 //! elaboration knows composite types. This module must not know syntax.
 
-mod fit;
-mod machine;
+pub(crate) mod assignable;
+pub(crate) mod machine_int;
 mod print;
 mod subrange;
 
-pub use fit::{Misfit, Subst, fit, join};
-pub use machine::MachineInt;
+pub use crate::ty::assignable::{Misfit, Subst, fit, join};
+pub use crate::ty::machine_int::MachineInt;
 pub use subrange::Subrange;
 
 use crate::units::Dim;

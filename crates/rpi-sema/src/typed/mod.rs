@@ -5,14 +5,14 @@
 //! can keep their results in tables beside it. This form must not know syntax or memory.
 
 mod flow;
-mod parts;
 mod print;
-mod task;
+pub(crate) mod task_step;
+pub(crate) mod traversal;
 mod verify;
 
+pub use crate::typed::task_step::{Handed, TaskStep};
 pub use flow::{ClockOn, Flow, FlowRole, Optional};
 pub use print::print;
-pub use task::{Handed, TaskStep};
 pub use verify::verify;
 
 use crate::ty::{DeviceTy, Ty};

@@ -5,7 +5,10 @@
 //! are not known, the number of values decides and the outermost tuples are decomposed first.
 
 use crate::check::exprs::access::leaves;
-use crate::ty::{Member, Subst, Ty, fit};
+use crate::ty::Member;
+use crate::ty::Subst;
+use crate::ty::Ty;
+use crate::ty::fit;
 
 /// A part of one of several values.
 #[derive(Clone, PartialEq, Debug)]

@@ -5,7 +5,8 @@ use crate::check::calls::args::signature;
 use crate::check::diagnostics::report;
 use crate::check::diagnostics::report::listed;
 use crate::check::signatures::header::Header;
-use crate::ty::{Subst, fit};
+use crate::ty::Subst;
+use crate::ty::fit;
 use crate::typed::{ExprId, Kind};
 use rpi_diag::{Code, Finding, Fix};
 

@@ -4,12 +4,12 @@
 //! Inside a fragment, a flow that is a constant or an alias of an outer flow needs no node. A reader outside sees an
 //! absent flow in the cycles in which the fragment is inactive, so for such a reader a node is added to the fragment.
 
-use super::clocks;
-use super::entering;
-use super::flows;
-use super::nodes;
-use super::pack;
+use crate::elab::arrays;
 use crate::elab::expr::leaf_scalars;
+use crate::elab::flows;
+use crate::elab::fragment_inputs;
+use crate::elab::nodes;
+use crate::elab::sampled_flows;
 use crate::elab::scope::Scope;
 use crate::elab::signal::{Signal, Wire, alias_of};
 use crate::elab::{At, Elab, Mode};
@@ -35,7 +35,7 @@ pub(in crate::elab) fn read_flow<'u>(
     span: Span,
 ) -> Wire {
     let wire = match is_outside {
-        true => clocks::flow_outside_block(elab, scope, flow, span),
+        true => sampled_flows::flow_outside_block(elab, scope, flow, span),
         false => flows::elab_flow(elab, scope, flow, span),
     };
     let wire = flow_for_reader(elab, scope, flow, wire, at);
@@ -70,7 +70,7 @@ fn flow_for_reader<'u>(
     at: At,
 ) -> Wire {
     let block = scope.unit.flow(flow).block;
-    let wire = entering::read_inside(elab, scope, block, wire, at.fragment);
+    let wire = fragment_inputs::read_inside(elab, scope, block, wire, at.fragment);
     if elab.mode == Mode::Constant || block == BlockId::ROOT {
         return wire;
     }
@@ -156,7 +156,7 @@ pub(in crate::elab) fn resolve_gate(elab: &mut Elab<'_>, alias: usize, signal: S
     let scalar = elab.alias_types[alias];
     match signal {
         Signal::Const(_) => {
-            let port = pack::port_of(elab, &signal, scalar, At::fragment(from), Span::NONE);
+            let port = arrays::port_of(elab, &signal, scalar, At::fragment(from), Span::NONE);
             port.map_or(signal, Signal::Port)
         }
         Signal::Port(port) if !is_computed_in(elab, port, from) => {

@@ -1,8 +1,8 @@
 //! Unused parameters and in-ports.
 
 use crate::check::params_of;
-use crate::needless::walk;
 use crate::program::{Decl, DeclKind};
+use crate::unused::walk;
 use rpi_diag::{Code, Finding, Fix};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{Ident, NodeDef, NodeKind, Signature, VarDecl, Visit};
@@ -21,7 +21,7 @@ impl<'a> Visit<'a> for Unread<'a> {
 
 /// Returns a warning for each parameter and in-port that a declaration does not read. A leading `_` in the name
 /// suppresses the warning.
-pub(in crate::needless) fn unread(decl: &Decl<'_>) -> Vec<Finding> {
+pub(in crate::unused) fn unread(decl: &Decl<'_>) -> Vec<Finding> {
     let mut left = parameters(decl.kind);
     left.retain(|(name, _)| !name.name.starts_with('_'));
     let mut left = Unread(left);

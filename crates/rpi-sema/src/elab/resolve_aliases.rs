@@ -1,11 +1,11 @@
 //! End of an elaboration: resolves the aliases.
 
-use super::block;
-use super::entering;
-use super::leaving;
-use super::nodes;
-use super::pack;
-use super::promise;
+use crate::elab::arrays;
+use crate::elab::block;
+use crate::elab::deferred_arrays;
+use crate::elab::fragment_inputs;
+use crate::elab::fragment_outputs;
+use crate::elab::nodes;
 use crate::elab::signal::{Signal, alias_of};
 use crate::elab::{At, Elab};
 use rpi_diag::Span;
@@ -19,7 +19,7 @@ pub(in crate::elab) fn resolve_aliases(elab: &mut Elab<'_>) {
     for alias in 0..elab.aliases.len() {
         resolve_alias(elab, alias);
     }
-    promise::pack_deferred_arrays(elab);
+    deferred_arrays::pack_deferred_arrays(elab);
     for node in 0..elab.net.nodes.len() {
         resolve_node(elab, node);
     }
@@ -67,8 +67,8 @@ fn resolve_alias(elab: &mut Elab<'_>, alias: usize) {
     let mut seen = end;
     for alias in chain.into_iter().rev() {
         elab.settling[alias] = false;
-        seen = leaving::resolve_gate(elab, alias, seen);
-        seen = entering::resolve_entry(elab, alias, seen);
+        seen = fragment_outputs::resolve_gate(elab, alias, seen);
+        seen = fragment_inputs::resolve_entry(elab, alias, seen);
         elab.aliases[alias] = Some(seen.clone());
     }
 }
@@ -106,7 +106,7 @@ fn resolve_node(elab: &mut Elab<'_>, node: usize) {
 fn resolved_input(elab: &mut Elab<'_>, port: PortRef, at: At, span: Span) -> Option<Input> {
     let alias = alias_of(port)?;
     let signal = elab.aliases[alias].clone().unwrap_or(Signal::Absent);
-    Some(pack::one_input(
+    Some(arrays::one_input(
         elab,
         &signal,
         elab.alias_types[alias],
@@ -137,7 +137,7 @@ fn resolved_port(elab: &mut Elab<'_>, port: PortRef, at: At, span: Span) -> Port
         return port;
     };
     let signal = elab.aliases[alias].clone().unwrap_or(Signal::Absent);
-    pack::port_of(elab, &signal, elab.alias_types[alias], at, span).unwrap_or(port)
+    arrays::port_of(elab, &signal, elab.alias_types[alias], at, span).unwrap_or(port)
 }
 
 fn resolve_fragment(elab: &mut Elab<'_>, fragment: usize) {

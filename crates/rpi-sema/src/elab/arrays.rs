@@ -1,8 +1,9 @@
 //! Arrays at the ports of primitives: packs leaves, extracts elements, and passes whole arrays on directly.
 
-use super::nodes;
-use super::promise;
-use crate::elab::families::{Family, member};
+use crate::elab::deferred_arrays;
+use crate::elab::nodes;
+use crate::elab::primitive_family::Family;
+use crate::elab::primitive_family::member;
 use crate::elab::signal::{Signal, alias_of};
 use crate::elab::{At, Elab};
 use rpi_diag::Span;
@@ -118,7 +119,13 @@ fn extract_element(
 fn array_input(elab: &mut Elab<'_>, wire: &[Signal], ty: Type, at: At, span: Span) -> Input {
     let is_open = |signal: &Signal| matches!(signal, Signal::Port(p) if alias_of(*p).is_some());
     if wire.iter().any(is_open) {
-        return Input::Port(promise::defer_array(elab, wire.into(), ty, at, span));
+        return Input::Port(deferred_arrays::defer_array(
+            elab,
+            wire.into(),
+            ty,
+            at,
+            span,
+        ));
     }
     resolved_array(elab, wire, ty, at, span)
 }

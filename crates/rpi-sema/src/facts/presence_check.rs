@@ -2,8 +2,9 @@
 
 use crate::clocks::ClockId;
 use crate::facts::Absence;
+use crate::facts::dependents::Definition;
+use crate::facts::dependents::Reads;
 use crate::facts::presence::Inference;
-use crate::facts::reads::{Definition, Reads};
 use crate::typed::{
     Activation, Call, Each, ExprId, Flow, FlowId, Kind, Optional, Place, Shared, Unit, UnitKind,
 };

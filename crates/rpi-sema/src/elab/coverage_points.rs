@@ -1,6 +1,6 @@
 //! Coverage points: records which places in the source the parts of a test's net come from.
 
-use super::pack;
+use crate::elab::arrays;
 use crate::elab::signal::Signal;
 use crate::elab::{At, Elab};
 use crate::hash::Map;
@@ -54,7 +54,7 @@ pub(in crate::elab) fn record_choice(
     if !elab.tells_landmarks {
         return [at.side; 2];
     }
-    let condition = pack::one_input(elab, condition, Scalar::Bool, at, span);
+    let condition = arrays::one_input(elab, condition, Scalar::Bool, at, span);
     let choices = &mut elab.net.landmarks.choices;
     let choice = choices.len() as u32;
     choices.push(Choice {
@@ -77,9 +77,9 @@ pub(in crate::elab) fn record_transitions(
     if !elab.tells_landmarks {
         return;
     }
-    let here = pack::one_input(elab, here, Scalar::Bool, at, automaton);
+    let here = arrays::one_input(elab, here, Scalar::Bool, at, automaton);
     let exit = |(condition, span): (Signal, Span)| Exit {
-        condition: pack::one_input(elab, &condition, Scalar::Bool, at, span),
+        condition: arrays::one_input(elab, &condition, Scalar::Bool, at, span),
         span,
     };
     let transitions = exits.into_iter().rev().map(exit).collect();

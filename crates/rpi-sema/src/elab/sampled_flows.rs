@@ -1,14 +1,14 @@
 //! Elaborates sampled flows: an expression on clock c is computed in a fragment that is active when c (M4). This
 //! fragment is not in the source, so dependencies are those of the single operations in it (M5).
 
-use super::block;
-use super::call;
-use super::each;
-use super::expr;
-use super::flows;
-use super::nodes;
 use crate::clocks::{ClockId, Decider, Row, Tick};
-use crate::elab::families::Family;
+use crate::elab::block;
+use crate::elab::call;
+use crate::elab::elementwise;
+use crate::elab::expr;
+use crate::elab::flows;
+use crate::elab::nodes;
+use crate::elab::primitive_family::Family;
 use crate::elab::scope::Scope;
 use crate::elab::signal::{Signal, Wire};
 use crate::elab::{At, Elab, Mode};
@@ -295,9 +295,9 @@ pub(in crate::elab) fn merge<'u>(
     let Some(((_, last), others)) = cases.split_last() else {
         return crate::elab::signal::nothing();
     };
-    let mut chosen = each::expr_leaves(elab, scope, *last, scalars.len(), at).to_vec();
+    let mut chosen = elementwise::expr_leaves(elab, scope, *last, scalars.len(), at).to_vec();
     for (value, case) in others.iter().rev() {
-        let wire = each::expr_leaves(elab, scope, *case, scalars.len(), at);
+        let wire = elementwise::expr_leaves(elab, scope, *case, scalars.len(), at);
         let here = match (is_truth, value) {
             (true, 0) => nodes::add_simple(
                 elab,
@@ -354,7 +354,7 @@ pub(in crate::elab) fn elab_current<'u>(
         let at = places.at(k);
         let ticks = tick_condition(elab, scope, *tick, at, span);
         let result = nodes::new_alias(elab, scalar);
-        let before = each::delay(elab, before, scalar, &Signal::Port(result), at, span);
+        let before = elementwise::delay(elab, before, scalar, &Signal::Port(result), at, span);
         let inputs = [ticks, signal.clone(), before];
         let held = nodes::add_family_member(elab, Family::Conditional, scalar, &inputs, at, span);
         call::bind_alias(elab, result, &held);
@@ -402,7 +402,7 @@ pub(in crate::elab) fn read_leaves<'u>(
     count: usize,
     at: At,
 ) -> Wire {
-    let wire = each::expr_leaves(elab, scope, operand, count, at);
+    let wire = elementwise::expr_leaves(elab, scope, operand, count, at);
     let Some(facts) = clocked_facts(elab, scope) else {
         return wire;
     };

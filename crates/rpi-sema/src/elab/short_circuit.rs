@@ -2,15 +2,15 @@
 //! decides, `??` if the left operand is absent. Operations in the right operand that can fault are guarded by that
 //! condition.
 
-use super::clocks;
-use super::each;
-use super::expr;
-use super::guarded;
-use super::nodes;
-use crate::elab::clocks::LeafPlaces;
-use crate::elab::each::reads_flows;
+use crate::elab::elementwise;
+use crate::elab::elementwise::reads_flows;
+use crate::elab::expr;
 use crate::elab::expr::leaf_scalars;
-use crate::elab::families::Family;
+use crate::elab::guards;
+use crate::elab::nodes;
+use crate::elab::primitive_family::Family;
+use crate::elab::sampled_flows;
+use crate::elab::sampled_flows::LeafPlaces;
 use crate::elab::scope::Scope;
 use crate::elab::signal::{Signal, Wire, single};
 use crate::elab::{At, Elab, Mode};
@@ -67,7 +67,7 @@ pub(in crate::elab) fn lazy_operand<'u>(
     id: ExprId,
     wire: impl FnOnce(&mut Elab<'u>, &mut Scope<'u>) -> Wire,
 ) -> Wire {
-    if elab.mode != Mode::Net || !guarded::contains_state(elab, scope, id) {
+    if elab.mode != Mode::Net || !guards::contains_state(elab, scope, id) {
         return wire(elab, scope);
     }
     let number = |elab: &Elab| u32::try_from(elab.net.nodes.len()).unwrap_or(u32::MAX);
@@ -93,8 +93,8 @@ pub(in crate::elab) fn short_circuit<'u>(
         return None;
     };
     if elab.mode != Mode::Constant
-        && !guarded::elab_can_fault(elab, scope, right)
-        && !guarded::contains_state(elab, scope, right)
+        && !guards::elab_can_fault(elab, scope, right)
+        && !guards::contains_state(elab, scope, right)
     {
         return None;
     }
@@ -103,15 +103,15 @@ pub(in crate::elab) fn short_circuit<'u>(
     {
         return Some(single(Signal::Const(Value::bool(logic.decided()))));
     }
-    let there = match elab.mode != Mode::Constant && guarded::elab_can_fault(elab, scope, right) {
+    let there = match elab.mode != Mode::Constant && guards::elab_can_fault(elab, scope, right) {
         true => {
             let needed = undecided_condition(elab, logic, &first, at, span);
-            each::with_guard(elab, needed, at, span)
+            elementwise::with_guard(elab, needed, at, span)
         }
         false => at,
     };
     let second = lazy_operand(elab, scope, right, |elab, scope| {
-        clocks::operand_wire(elab, scope, [id, right], there)
+        sampled_flows::operand_wire(elab, scope, [id, right], there)
     });
     let second = second.first().cloned().unwrap_or(Signal::Absent);
     Some(single(nodes::add_simple(
@@ -126,7 +126,7 @@ pub(in crate::elab) fn short_circuit<'u>(
 /// Returns whether an operand that is never needed can be left out.
 fn can_drop_operand<'u>(elab: &mut Elab<'u>, scope: &Scope<'u>, operand: ExprId) -> bool {
     elab.mode == Mode::Constant
-        || !guarded::contains_state(elab, scope, operand)
+        || !guards::contains_state(elab, scope, operand)
             && expr::drops_dead_code(elab, reads_flows(scope.unit, operand))
 }
 
@@ -163,10 +163,10 @@ pub(in crate::elab) fn coalesce_operands<'u>(
 ) -> Wire {
     let unit = scope.unit;
     let (scalars, span) = (leaf_scalars(&unit.expr(id).ty), unit.expr(id).span);
-    let first = clocks::read_leaves(elab, scope, [id, a], scalars.len(), at);
-    let places = clocks::leaf_places(elab, scope, id, at);
+    let first = sampled_flows::read_leaves(elab, scope, [id, a], scalars.len(), at);
+    let places = sampled_flows::leaf_places(elab, scope, id, at);
     let is_of_one_clock = matches!(places, LeafPlaces::All(_)) && elab.mode != Mode::Constant;
-    let second = match is_of_one_clock && guarded::elab_can_fault(elab, scope, b) {
+    let second = match is_of_one_clock && guards::elab_can_fault(elab, scope, b) {
         true => {
             let absent = first.iter().zip(&scalars).enumerate();
             let absent: Vec<Signal> = absent
@@ -175,7 +175,7 @@ pub(in crate::elab) fn coalesce_operands<'u>(
             where_absent(elab, scope, [id, b], &absent, at)
         }
         false => lazy_operand(elab, scope, b, |elab, scope| {
-            clocks::read_leaves(elab, scope, [id, b], scalars.len(), at)
+            sampled_flows::read_leaves(elab, scope, [id, b], scalars.len(), at)
         }),
     };
     let leaves = first.iter().zip(second.iter()).zip(scalars).enumerate();
@@ -200,7 +200,7 @@ fn where_absent<'u>(
     let is_one = absent.iter().all(|leaf| *leaf == absent[0]);
     if let Kind::Build(parts) = &expr.kind
         && !is_one
-        && clocks::clocked_facts(elab, scope).is_none()
+        && sampled_flows::clocked_facts(elab, scope).is_none()
     {
         let mut rest = absent;
         let mut leaves = Vec::with_capacity(absent.len());
@@ -216,10 +216,10 @@ fn where_absent<'u>(
     let needed = any_of(elab, absent, at, expr.span);
     let there = match needed == Signal::Const(Value::bool(true)) {
         true => at,
-        false => each::with_guard(elab, needed, at, expr.span),
+        false => elementwise::with_guard(elab, needed, at, expr.span),
     };
     lazy_operand(elab, scope, id, |elab, scope| {
-        clocks::read_leaves(elab, scope, [reader, id], absent.len(), there)
+        sampled_flows::read_leaves(elab, scope, [reader, id], absent.len(), there)
     })
 }
 

@@ -1,22 +1,22 @@
 //! Elaborates an entry point: a command, a test, or a node on its own.
 
-use super::allowance;
-use super::block;
-use super::call;
-use super::clocks;
-use super::each;
-use super::expr;
-use super::flows;
-use super::leaving;
-use super::nodes;
-use super::pack;
-use super::settle;
-use super::subrange;
-use super::time;
 use crate::clocks::ClockId;
-use crate::elab::families::Family;
+use crate::elab::arrays;
+use crate::elab::block;
+use crate::elab::call;
+use crate::elab::elementwise;
+use crate::elab::expr;
+use crate::elab::flows;
+use crate::elab::fragment_outputs;
+use crate::elab::node_budget;
+use crate::elab::nodes;
+use crate::elab::primitive_family::Family;
+use crate::elab::resolve_aliases;
+use crate::elab::sampled_flows;
 use crate::elab::scope::{Scope, State};
 use crate::elab::signal::{Signal, Wire, single};
+use crate::elab::subrange;
+use crate::elab::time;
 use crate::elab::{At, Claims, Elab, Mode, NotConstant, Operand};
 use crate::facts::Facts;
 use crate::ty::Ty;
@@ -156,7 +156,7 @@ impl<'u, 'a> Job<'u, 'a> {
     fn run(&self, mode: Mode) -> Elaborated {
         let mut elab = Elab::new(self.units, self.facts, mode);
         elab.claims = self.claims;
-        allowance::credit_text(&mut elab, self.id);
+        node_budget::credit_text(&mut elab, self.id);
         let unit = &self.units[self.id.0 as usize];
         elab.tells_landmarks = unit.kind == UnitKind::Test;
         elab.net.name = unit.name.to_string();
@@ -179,9 +179,9 @@ impl<'u, 'a> Job<'u, 'a> {
         for (port, value) in unknown {
             call::bind_alias(&mut elab, port, &Signal::Const(value));
         }
-        settle::resolve_aliases(&mut elab);
+        resolve_aliases::resolve_aliases(&mut elab);
         if elab.tells_landmarks {
-            crate::elab::landmarks::tell_apart(&mut elab.net);
+            crate::elab::coverage_points::tell_apart(&mut elab.net);
         }
         let ports = elab.watched.split_off(claims);
         let locals = locals.into_iter().zip(ports);
@@ -289,7 +289,7 @@ fn unit_inputs<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>) -> Vec<PortShape>
                     .and_then(|leaves| leaves.get(k).cloned()),
                 _ => default
                     .as_ref()
-                    .and_then(|signal| each::constant_value(elab, signal)),
+                    .and_then(|signal| elementwise::constant_value(elab, signal)),
             };
             let given = external_input_at(elab, (&key, value), scalar, At::ROOT, declared.span);
             let given = match optional {
@@ -388,7 +388,7 @@ fn external_input_at(
     at: At,
     span: rpi_diag::Span,
 ) -> Signal {
-    let Some(prim) = crate::elab::families::member(Family::Input, scalar) else {
+    let Some(prim) = crate::elab::primitive_family::member(Family::Input, scalar) else {
         return Signal::Absent;
     };
     let value = |param: &rpi_image::Param| match param.name {
@@ -414,7 +414,7 @@ fn unit_outputs<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>) -> Vec<PortShape
         let declared = unit.flow(*flow);
         let wire = flows::elab_flow(elab, scope, *flow, declared.span);
         block::set_node_name(elab, &declared.name);
-        let wire = clocks::off_clock_absent(elab, scope, *flow, &wire, declared.span);
+        let wire = sampled_flows::off_clock_absent(elab, scope, *flow, &wire, declared.span);
         let mut leaves: Vec<(String, Ty)> = Vec::new();
         declared
             .ty
@@ -451,7 +451,7 @@ pub(in crate::elab) fn export_port(
     span: rpi_diag::Span,
 ) -> Option<ExportPort> {
     let signal = time::convert_to_seconds(elab, signal, ty, at, span);
-    let source = pack::port_of(elab, &signal, time::external_scalar(ty), at, span)?;
+    let source = arrays::port_of(elab, &signal, time::external_scalar(ty), at, span)?;
     Some(ExportPort {
         key: key.to_owned(),
         source,
@@ -473,10 +473,11 @@ fn elab_locals<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>) -> Vec<PortShape>
             continue;
         }
         let is_inner = declared.block != BlockId::ROOT;
-        let wire = leaving::read_flow(elab, scope, (id, is_inner), At::ROOT, declared.span);
+        let wire =
+            fragment_outputs::read_flow(elab, scope, (id, is_inner), At::ROOT, declared.span);
         let wire = match is_inner {
             true => wire,
-            false => clocks::off_clock_absent(elab, scope, id, &wire, declared.span),
+            false => sampled_flows::off_clock_absent(elab, scope, id, &wire, declared.span),
         };
         let name = unit.path_of(id);
         block::set_node_name(elab, &name);
@@ -502,7 +503,7 @@ fn exports<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>) {
         let fragment = scope.fragments[k].unwrap_or(rpi_net::FragmentId::ROOT);
         for export in &block.exports {
             scope.base = fragment;
-            let wire = clocks::read_at(
+            let wire = sampled_flows::read_at(
                 elab,
                 scope,
                 export.value,
@@ -535,7 +536,7 @@ fn driver<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>) {
         let signal = expr::elab_condition(elab, scope, end.condition, At::ROOT);
         let condition = match signal {
             Signal::Const(value) => Input::constant(value),
-            other => match pack::port_of(elab, &other, Scalar::Bool, At::ROOT, end.span) {
+            other => match arrays::port_of(elab, &other, Scalar::Bool, At::ROOT, end.span) {
                 Some(port) => Input::Port(port),
                 None => Input::Open,
             },

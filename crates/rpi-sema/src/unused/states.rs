@@ -1,8 +1,9 @@
 //! Unreachable states of automata.
 
 use crate::hash::Map;
-use crate::needless::{heads, walk};
 use crate::program::DeclKind;
+use crate::unused::heads;
+use crate::unused::walk;
 use rpi_diag::{Code, Finding};
 use rpi_syntax::ast::{Automaton, State, Visit};
 
@@ -20,7 +21,7 @@ impl<'a> Visit<'a> for Unreached {
 }
 
 /// Returns a warning for each unreachable state. A state that only follows another unreachable state is not reported.
-pub(in crate::needless) fn unreached(kind: DeclKind<'_>) -> Vec<Finding> {
+pub(in crate::unused) fn unreached(kind: DeclKind<'_>) -> Vec<Finding> {
     let mut found = Unreached(Vec::new());
     walk(kind, &mut found);
     found.0

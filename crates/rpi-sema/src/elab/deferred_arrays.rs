@@ -3,8 +3,8 @@
 //! An array read from a block that is elaborated later, or along a dependency cycle, would otherwise be unpacked and
 //! packed again element by element, although it is only passed on.
 
-use super::nodes;
-use super::pack;
+use crate::elab::arrays;
+use crate::elab::nodes;
 use crate::elab::signal::{Signal, Wire, alias_of};
 use crate::elab::{At, Elab};
 use rpi_diag::Span;
@@ -51,7 +51,7 @@ pub(in crate::elab) fn pack_deferred_arrays(elab: &mut Elab<'_>) {
     for promise in std::mem::take(&mut elab.promises) {
         let leaf = |signal: &Signal| resolved_leaf(elab, signal);
         let wire: Wire = promise.wire.iter().map(leaf).collect();
-        let input = pack::resolved_array(elab, &wire, promise.ty, promise.at, promise.span);
+        let input = arrays::resolved_array(elab, &wire, promise.ty, promise.at, promise.span);
         if let Some(alias) = alias_of(promise.alias) {
             elab.aliases[alias] = match input {
                 Input::Port(port) => Some(Signal::Port(port)),

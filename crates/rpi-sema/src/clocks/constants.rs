@@ -1,7 +1,7 @@
 //! Constants take the clock of their readers. In Lustre, so do initialisations of constants.
 
 use crate::clocks::clock::{Clock, Tick};
-use crate::clocks::row::Row;
+use crate::clocks::leaf_clocks::Row;
 use crate::clocks::solve::Solver;
 use crate::facts::Definition;
 use crate::typed::{Call, Each, ExprId, Kind, Place};

@@ -1,13 +1,13 @@
 //! Unreachable steps of tasks.
 
-use crate::needless::heads;
 use crate::program::{DeclKind, Lookup, ModuleId, Program};
+use crate::unused::heads;
 use rpi_diag::{Code, Finding, Span};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{Ident, Next, OnResult, Run, Step, StepKind, TaskDecl};
 
 /// Returns a warning for each unreachable step. A step that only follows another unreachable step is not reported.
-pub(in crate::needless) fn unreached(
+pub(in crate::unused) fn unreached(
     program: &Program<'_>,
     module: ModuleId,
     task: &TaskDecl,

@@ -1,17 +1,18 @@
 //! Elaborates elementwise operators: `if`, `pre`, `->`, `??`, `hold`.
 
-use super::clocks;
-use super::expr;
-use super::guarded;
-use super::landmarks;
-use super::needed;
-use super::nodes;
-use super::pack;
 use crate::clocks::ClockId;
-use crate::elab::clocks::LeafPlaces;
+use crate::elab::arrays;
+use crate::elab::coverage_points;
+use crate::elab::expr;
 use crate::elab::expr::leaf_scalars;
-use crate::elab::families::{Family, member};
+use crate::elab::guards;
+use crate::elab::nodes;
+use crate::elab::primitive_family::Family;
+use crate::elab::primitive_family::member;
+use crate::elab::sampled_flows;
+use crate::elab::sampled_flows::LeafPlaces;
 use crate::elab::scope::Scope;
+use crate::elab::short_circuit;
 use crate::elab::signal::{Signal, Wire};
 use crate::elab::{At, Elab, Mode, NotConstant};
 use crate::typed::{Each, ExprId, Kind, Unit};
@@ -50,12 +51,12 @@ pub(in crate::elab) fn elementwise<'u>(
             }
         },
         (Each::Arrow, [a, b]) => arrow(elab, scope, *a, *b, id, at),
-        (Each::Coalesce, [a, b]) => needed::coalesce_operands(elab, scope, [id, *a, *b], at),
+        (Each::Coalesce, [a, b]) => short_circuit::coalesce_operands(elab, scope, [id, *a, *b], at),
         (Each::Hold, [x, init]) => {
             let (at, scalars) = (at.unguarded(), leaf_scalars(ty));
-            let x = clocks::read_leaves(elab, scope, [id, *x], scalars.len(), at);
-            let init = clocks::read_leaves(elab, scope, [id, *init], scalars.len(), at);
-            let places = clocks::leaf_places(elab, scope, id, at);
+            let x = sampled_flows::read_leaves(elab, scope, [id, *x], scalars.len(), at);
+            let init = sampled_flows::read_leaves(elab, scope, [id, *init], scalars.len(), at);
+            let places = sampled_flows::leaf_places(elab, scope, id, at);
             let leaves = x.iter().zip(init.iter()).zip(scalars).enumerate();
             leaves
                 .map(|(k, ((x, init), scalar))| {
@@ -87,19 +88,19 @@ fn conditional<'u>(
     let span = scope.unit.expr(id).span;
     let scalars = leaf_scalars(&scope.unit.expr(id).ty);
     let count = scalars.len();
-    let places = clocks::leaf_places(elab, scope, id, at);
+    let places = sampled_flows::leaf_places(elab, scope, id, at);
     if let LeafPlaces::Each(_) = places {
         return conditional_per_leaf(elab, scope, condition, [yes, no], id, &places);
     }
     let condition = expr::elab_operand(elab, scope, [id, condition], at);
-    let sides = landmarks::record_choice(elab, &condition, at, span);
+    let sides = coverage_points::record_choice(elab, &condition, at, span);
     if let Signal::Const(value) = &condition
         && drops_branch(elab, scope, id, value)
     {
         let [in_yes, in_no] = sides.map(|side| At { side, ..at });
         return match value.as_bool() == Some(true) {
-            true => clocks::read_leaves(elab, scope, [id, yes], count, in_yes),
-            false => clocks::read_leaves(elab, scope, [id, no], count, in_no),
+            true => sampled_flows::read_leaves(elab, scope, [id, yes], count, in_yes),
+            false => sampled_flows::read_leaves(elab, scope, [id, no], count, in_no),
         };
     }
     let guards = elab_guards(elab, scope, &condition, [yes, no], at, span);
@@ -109,8 +110,8 @@ fn conditional<'u>(
         ..at
     });
     let [yes, no] = [(yes, in_yes), (no, in_no)].map(|(branch, there)| {
-        needed::lazy_operand(elab, scope, branch, |elab, scope| {
-            clocks::read_leaves(elab, scope, [id, branch], count, there)
+        short_circuit::lazy_operand(elab, scope, branch, |elab, scope| {
+            sampled_flows::read_leaves(elab, scope, [id, branch], count, there)
         })
     });
     let mut leaves = Vec::with_capacity(count);
@@ -144,7 +145,7 @@ fn conditional_per_leaf<'u>(
     let span = scope.unit.expr(id).span;
     let scalars = leaf_scalars(&scope.unit.expr(id).ty);
     let base = At::fragment(scope.base);
-    let decided = clocks::position_of(elab, scope, condition, base);
+    let decided = sampled_flows::position_of(elab, scope, condition, base);
     let plain = expr::elab_expr(elab, scope, condition, decided);
     let guards = match plain.first() {
         Some(signal) => elab_guards(elab, scope, &signal.clone(), branches, decided, span),
@@ -153,16 +154,16 @@ fn conditional_per_leaf<'u>(
     let [yes, no] = [0, 1].map(|k| {
         let guard = guards[k];
         let at = At { guard, ..decided };
-        clocks::read_leaves(elab, scope, [id, branches[k]], scalars.len(), at)
+        sampled_flows::read_leaves(elab, scope, [id, branches[k]], scalars.len(), at)
     });
-    let clocks = clocks::facts_of(elab, scope).map(|facts| facts.clocks.row(id));
+    let clocks = sampled_flows::facts_of(elab, scope).map(|facts| facts.clocks.row(id));
     let mut leaves = Vec::with_capacity(scalars.len());
     for (k, scalar) in scalars.into_iter().enumerate() {
         let (Some(yes), Some(no)) = (yes.get(k), no.get(k)) else {
             break;
         };
         let clock = clocks.as_ref().map_or(ClockId::BASE, |row| row.leaf(k));
-        let here = clocks::read_at(elab, scope, condition, clock, decided);
+        let here = sampled_flows::read_at(elab, scope, condition, clock, decided);
         let here = here.first().cloned().unwrap_or(Signal::Absent);
         let inputs = [here, yes.clone(), no.clone()];
         leaves.push(nodes::add_family_member(
@@ -189,7 +190,7 @@ fn drops_branch<'u>(elab: &mut Elab<'u>, scope: &Scope<'u>, id: ExprId, value: &
     let left_out = operands[if value.as_bool() == Some(true) { 2 } else { 1 }];
     is_of_instance
         || elab.mode == Mode::Constant
-        || !guarded::contains_state(elab, scope, left_out)
+        || !guards::contains_state(elab, scope, left_out)
             && expr::drops_dead_code(elab, reads_flows(unit, left_out))
 }
 
@@ -204,7 +205,7 @@ fn elab_guards<'u>(
 ) -> [Option<PortRef>; 2] {
     let mut guards = [at.guard; 2];
     for (k, branch) in branches.into_iter().enumerate() {
-        if !guarded::elab_can_fault(elab, scope, branch) {
+        if !guards::elab_can_fault(elab, scope, branch) {
             continue;
         }
         let here = match k {
@@ -240,7 +241,7 @@ pub(in crate::elab) fn with_guard(
         None => condition,
     };
     At {
-        guard: pack::port_of(elab, &here, Scalar::Bool, at, span),
+        guard: arrays::port_of(elab, &here, Scalar::Bool, at, span),
         ..at
     }
 }
@@ -287,7 +288,7 @@ fn delay_leaves<'u>(
     }
     let scalars = leaf_scalars(&scope.unit.expr(id).ty);
     let wire = expr::elab_expr(elab, scope, x, at.unguarded());
-    let places = clocks::leaf_places(elab, scope, id, at);
+    let places = sampled_flows::leaf_places(elab, scope, id, at);
     let mut leaves = Vec::with_capacity(scalars.len());
     for (k, (scalar, signal)) in scalars.into_iter().zip(wire.iter()).enumerate() {
         let family = if optional(k) {
@@ -312,7 +313,7 @@ pub(in crate::elab) fn delay(
     let Some(prim) = member(family, scalar) else {
         return Signal::Absent;
     };
-    let input = match pack::port_of(elab, signal, scalar, at, span) {
+    let input = match arrays::port_of(elab, signal, scalar, at, span) {
         Some(port) => Input::Port(port),
         None => Input::Open,
     };
@@ -351,9 +352,9 @@ fn arrow<'u>(
     let first = nodes::first_port(elab, at.fragment, span);
     let guards = elab_guards(elab, scope, &first, [a, b], at, span);
     let [in_a, in_b] = guards.map(|guard| At { guard, ..at });
-    let a = clocks::read_leaves(elab, scope, [id, a], scalars.len(), in_a);
-    let b = clocks::read_leaves(elab, scope, [id, b], scalars.len(), in_b);
-    let places = clocks::leaf_places(elab, scope, id, at);
+    let a = sampled_flows::read_leaves(elab, scope, [id, a], scalars.len(), in_a);
+    let b = sampled_flows::read_leaves(elab, scope, [id, b], scalars.len(), in_b);
+    let places = sampled_flows::leaf_places(elab, scope, id, at);
     let mut leaves = Vec::with_capacity(scalars.len());
     for (k, scalar) in scalars.into_iter().enumerate() {
         let (Some(a), Some(b)) = (a.get(k), b.get(k)) else {

@@ -5,8 +5,8 @@
 //! inside, such a flow would not be a link across the border. A copy node is therefore inserted beside the fragment. It
 //! depends on the fragment, and the fragment depends on it, so that the dependency cycle is found.
 
-use super::leaving;
-use super::nodes;
+use crate::elab::fragment_outputs;
+use crate::elab::nodes;
 use crate::elab::scope::{Scope, State};
 use crate::elab::signal::{Signal, Wire, alias_of};
 use crate::elab::{Elab, Mode};
@@ -81,7 +81,9 @@ pub(in crate::elab) fn resolve_entry(elab: &mut Elab<'_>, alias: usize, signal: 
         return signal;
     };
     match (signal, elab.net.fragment(fragment).parent) {
-        (Signal::Port(port), Some(around)) if leaving::is_computed_in(elab, port, fragment) => {
+        (Signal::Port(port), Some(around))
+            if fragment_outputs::is_computed_in(elab, port, fragment) =>
+        {
             nodes::add_copy(elab, port, elab.alias_types[alias], around, Span::NONE)
         }
         (other, _) => other,
