@@ -5,7 +5,8 @@
 //! unit.
 
 use crate::program::Program;
-use crate::typed::{Kind, Unit, UnitId};
+use crate::typed::Kind;
+use crate::typed::{Unit, UnitId};
 use rpi_diag::{Code, FileId, Finding, Severity, Span};
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -1,7 +1,8 @@
 //! Summary of the checker's results for a unit, for users who ask what was checked.
 
 use crate::ty::Ty;
-use crate::typed::{BlockId, Expr, ExprId, Kind, Unit, UnitId, UnitKind};
+use crate::typed::{BlockId, ExprId, Unit, UnitId, UnitKind};
+use crate::typed::{Expr, Kind};
 use rpi_syntax::ast::EndKind;
 use std::collections::BTreeSet;
 

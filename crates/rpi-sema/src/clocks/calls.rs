@@ -4,7 +4,8 @@
 use crate::clocks::clock::{Clock, Decider, Tick};
 use crate::clocks::leaf_clocks::Row;
 use crate::clocks::solve::Solver;
-use crate::typed::{Activation, BlockId, Call, ExprId, FlowId, Unit, UnitKind};
+use crate::typed::{Activation, Call};
+use crate::typed::{BlockId, ExprId, FlowId, Unit, UnitKind};
 
 impl<'u> Solver<'u> {
     /// Returns the clocks of a call's results and records the clock of the call itself.

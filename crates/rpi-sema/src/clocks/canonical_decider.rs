@@ -2,7 +2,8 @@
 
 use crate::clocks::clock::Decider;
 use crate::clocks::solve::Solver;
-use crate::typed::{Activation, ExprId, FlowId, Kind, Place, Unit};
+use crate::typed::{Activation, Kind};
+use crate::typed::{ExprId, FlowId, Place, Unit};
 
 impl Solver<'_> {
     /// Returns the canonical decider for a flow.

@@ -5,7 +5,8 @@ use crate::clocks::leaf_clocks::Row;
 use crate::clocks::solve::Solver;
 use crate::clocks::span_set::Covered;
 use crate::facts::Definition;
-use crate::typed::{Call, Each, Equation, ExprId, FlowId, Kind, Optional, Place};
+use crate::typed::{Call, Each, Kind};
+use crate::typed::{Equation, ExprId, FlowId, Optional, Place};
 use rpi_diag::{Code, Finding, Fix, Span};
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -4,7 +4,8 @@ use crate::clocks::clock::{Clock, Tick};
 use crate::clocks::leaf_clocks::Row;
 use crate::clocks::solve::Solver;
 use crate::facts::Definition;
-use crate::typed::{Call, Each, ExprId, Kind, Place};
+use crate::typed::{Call, Each, Kind};
+use crate::typed::{ExprId, Place};
 
 impl<'u> Solver<'u> {
     /// Gives every expression without a clock the clock of its readers.

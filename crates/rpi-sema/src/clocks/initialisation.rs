@@ -3,7 +3,8 @@
 
 use crate::clocks::check::Check;
 use crate::clocks::clock::Clock;
-use crate::typed::{ExprId, Kind};
+use crate::typed::ExprId;
+use crate::typed::Kind;
 use rpi_diag::{Code, Finding, Fix};
 
 impl Check<'_, '_> {

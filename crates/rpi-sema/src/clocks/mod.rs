@@ -35,7 +35,8 @@ pub use clock::{Decider, Tick};
 
 use crate::facts::Facts;
 use crate::hash::Map;
-use crate::typed::{ExprId, FlowId, Kind, Unit};
+use crate::typed::Kind;
+use crate::typed::{ExprId, FlowId, Unit};
 use rpi_diag::Finding;
 use std::fmt::Write as _;
 

@@ -5,7 +5,8 @@ use crate::clocks::clock::{Clock, Decider, Tick, Ticks};
 use crate::clocks::{Borders, ClockId, Clocks, Row};
 use crate::facts::{Definition, Facts, Reads};
 use crate::hash::Map;
-use crate::typed::{Each, Equation, ExprId, FlowId, FlowRole, Kind, Optional, Place, Unit};
+use crate::typed::{Each, Kind};
+use crate::typed::{Equation, ExprId, FlowId, FlowRole, Optional, Place, Unit};
 use rpi_diag::Finding;
 use rpi_image::State;
 

@@ -12,8 +12,8 @@ use crate::elab::flows;
 use crate::elab::fragment_outputs;
 use crate::elab::guards;
 use crate::elab::nodes;
+use crate::elab::outside_flows;
 use crate::elab::primitive_family::Family;
-use crate::elab::sampled_flows;
 use crate::elab::scope::Scope;
 use crate::elab::signal::{Signal, Wire};
 use crate::elab::{At, Elab, Mode};
@@ -343,7 +343,7 @@ fn with_default<'u>(
     let span = scope.unit.flow(default).span;
     let scalars = leaf_scalars(&scope.unit.flow(shared.flow).ty);
     let chosen = fragment_outputs::read_flow(elab, scope, (default, false), at, span);
-    let mut chosen = sampled_flows::off_clock_absent(elab, scope, default, &chosen, span);
+    let mut chosen = outside_flows::off_clock_absent(elab, scope, default, &chosen, span);
     for inner in &shared.states {
         let (block, place) = (scope.unit.flow(*inner).block, scope.unit.flow(*inner).span);
         let Some(k) = automaton.states.iter().position(|s| s.block == block) else {

@@ -10,13 +10,14 @@ use crate::elab::expr::leaf_scalars;
 use crate::elab::flows;
 use crate::elab::fragment_outputs;
 use crate::elab::nodes;
-use crate::elab::sampled_flows;
+use crate::elab::outside_flows;
 use crate::elab::scope::Scope;
 use crate::elab::signal::{Signal, Wire, alias_of};
 use crate::elab::subrange;
 use crate::elab::{At, Claims, Elab, Mode};
 use crate::ty::Ty;
-use crate::typed::{BlockId, Equation, Expr, Place, Target, Unit};
+use crate::typed::Expr;
+use crate::typed::{BlockId, Equation, Place, Target, Unit};
 use rpi_net::{self as net, PortRef, Restart};
 
 /// Returns whether an equation must keep a node of its own although nothing reads it: all its targets are named `_...`.
@@ -46,7 +47,7 @@ pub(in crate::elab) fn body<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>, at: 
         };
         elab_block_content(elab, scope, block, at);
     }
-    sampled_flows::bind_outside_flows(elab, scope);
+    outside_flows::bind_outside_flows(elab, scope);
     fragment_outputs::assign_pending_gates(elab, scope);
 }
 
@@ -139,7 +140,7 @@ fn elab_equation<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>, equation: &'u E
     let taken = equation.targets.iter().map(|t| t.ty.leaf_count());
     let taken = taken.sum::<usize>().max(1);
     let wire = elementwise::expr_leaves(elab, scope, equation.value, taken, at);
-    let wire = sampled_flows::value_for_targets(elab, scope, equation, wire);
+    let wire = outside_flows::value_for_targets(elab, scope, equation, wire);
     let mut wire = subrange::check_targets(elab, scope, equation, wire, at);
     if elab.mode == Mode::Steps || elab.mode == Mode::Net && stays(scope.unit, equation) {
         wire = insert_copies(elab, &wire, scope.unit.expr(equation.value), at);

@@ -2,36 +2,36 @@
 
 use crate::elab::arrays;
 use crate::elab::block;
+use crate::elab::condact;
 use crate::elab::coverage_points;
 use crate::elab::elementwise;
 use crate::elab::expr;
-use crate::elab::expr::leaf_scalars;
 use crate::elab::flows;
 use crate::elab::fragment_inputs;
 use crate::elab::fragment_outputs;
 use crate::elab::guards;
 use crate::elab::node_budget;
-use crate::elab::nodes;
-use crate::elab::primitive_family::Family;
+use crate::elab::outside_flows;
 use crate::elab::sampled_flows;
 use crate::elab::scope::{Scope, State};
 use crate::elab::signal::{Signal, Wire};
 use crate::elab::subrange;
 use crate::elab::{At, Elab, MAX_DEPTH, Mode, NotConstant};
-use crate::typed::{Activation, BlockId, Call, ExprId, Unit, UnitId, UnitKind};
+use crate::typed::{Activation, Call};
+use crate::typed::{BlockId, ExprId, Unit, UnitId, UnitKind};
 use rpi_diag::{Code, Finding, Span};
 use rpi_image::{Scalar, Value};
 use rpi_net::{self as net, Absent, Fragment, FragmentId, Origin, PortRef, Restart};
 
 /// A call that does not run in all cycles.
-struct Run {
+pub(crate) struct Run {
     /// Condition under which the call runs.
-    every: Signal,
+    pub(in crate::elab) every: Signal,
     /// Results of the call when it runs, and their defaults before its first run.
-    result: Wire,
-    default: Option<Wire>,
+    pub(in crate::elab) result: Wire,
+    pub(in crate::elab) default: Option<Wire>,
     /// For each leaf of the results, whether it may be absent when the call runs.
-    optional: Vec<bool>,
+    pub(in crate::elab) optional: Vec<bool>,
 }
 
 /// Argument of a call: its wire and its span.
@@ -76,7 +76,7 @@ pub(in crate::elab) fn elab_call<'u>(
         } => {
             let every = expr::elab_operand(elab, scope, [id, *every], at.unguarded());
             let restart = restart.map(|restart| [id, restart]);
-            let inner = condact_fragment(elab, scope, &every, restart, &path, at, span);
+            let inner = condact::condact_fragment(elab, scope, &every, restart, &path, at, span);
             elab.keeps_results = !scope.unit.is_lustre;
             let result = results_of(elab, scope, call, (id, &args), At::fragment(inner), path);
             let result = fragment_outputs::gate_wire(elab, &result, inner, at.fragment);
@@ -89,7 +89,7 @@ pub(in crate::elab) fn elab_call<'u>(
                 default,
                 optional: callee.optional_leaves().collect(),
             };
-            hold_results(elab, &run, id, scope, at)
+            condact::hold_results(elab, &run, id, scope, at)
         }
     }
 }
@@ -164,23 +164,6 @@ fn elab_path(elab: &mut Elab<'_>, id: ExprId) -> String {
     format!("{}#{}", elab.name, elab.serial - 1)
 }
 
-fn condact_fragment<'u>(
-    elab: &mut Elab<'u>,
-    scope: &mut Scope<'u>,
-    every: &Signal,
-    restart: Option<[ExprId; 2]>,
-    path: &str,
-    at: At,
-    span: Span,
-) -> FragmentId {
-    let at = at.unguarded();
-    let restart = restart.map(|pair| expr::elab_operand(elab, scope, pair, at));
-    let restart = restart.and_then(|signal| arrays::port_of(elab, &signal, Scalar::Bool, at, span));
-    let restart = restart.map_or(Restart::Never, Restart::Every);
-    let activation = elab_activation(elab, every, at, span);
-    elab_fragment(elab, path, at.fragment, activation, restart, span)
-}
-
 /// Returns the activation by a condition; `Always` for the constant `true`.
 pub(in crate::elab) fn elab_activation(
     elab: &mut Elab<'_>,
@@ -223,67 +206,6 @@ pub(in crate::elab) fn elab_fragment(
             flow: Some(path.to_owned()),
         },
     })
-}
-
-/// Returns the results of a call that does not run in all cycles: those of this cycle, or those of its last run.
-fn hold_results<'u>(elab: &mut Elab<'u>, run: &Run, id: ExprId, scope: &Scope<'u>, at: At) -> Wire {
-    let span = scope.unit.expr(id).span;
-    let scalars = leaf_scalars(&scope.unit.expr(id).ty);
-    let leaves = scalars.into_iter().take(run.result.len()).enumerate();
-    let leaves: Vec<Signal> = leaves
-        .map(|(k, scalar)| hold_leaf(elab, run, k, scalar, at, span))
-        .collect();
-    leaves.into()
-}
-
-fn hold_leaf(
-    elab: &mut Elab<'_>,
-    run: &Run,
-    k: usize,
-    scalar: Scalar,
-    at: At,
-    span: Span,
-) -> Signal {
-    let signal = run.result[k].clone();
-    let default = run.default.as_ref().and_then(|wire| wire.get(k)).cloned();
-    let is_optional = run.optional.get(k).copied().unwrap_or_default();
-    if let (Some(default @ Signal::Const(_)), false) = (&default, is_optional) {
-        return nodes::add_family_member(
-            elab,
-            Family::Hold,
-            scalar,
-            &[signal, default.clone()],
-            at,
-            span,
-        );
-    }
-    let result = nodes::new_alias(elab, scalar);
-    let alias = Signal::Port(result);
-    let pre = match default.is_none() || is_optional {
-        true => Family::OptionalPre,
-        false => Family::Pre,
-    };
-    let before = elementwise::delay(elab, pre, scalar, &alias, at, span);
-    let before = match default {
-        None => before,
-        Some(default) => {
-            let first = nodes::first_port(elab, at.fragment, span);
-            let inputs = [first, default, before];
-            nodes::add_family_member(elab, Family::Conditional, scalar, &inputs, at, span)
-        }
-    };
-    let held = match is_optional {
-        // A run whose result is absent is remembered as absent, too.
-        true => {
-            let inputs = [run.every.clone(), signal, before];
-            nodes::add_family_member(elab, Family::Conditional, scalar, &inputs, at, span)
-        }
-        false => {
-            nodes::add_family_member(elab, Family::Coalesce, scalar, &[signal, before], at, span)
-        }
-    };
-    bind_alias(elab, result, &held);
-    held
 }
 
 /// Inlines a unit with its inputs connected and returns its outputs.
@@ -374,7 +296,7 @@ fn outputs_of<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>, is_lifted: bool, s
     for output in &scope.unit.outputs {
         let mut wire = flows::elab_flow(elab, scope, *output, span);
         if is_lifted {
-            wire = sampled_flows::off_clock_absent(elab, scope, *output, &wire, span);
+            wire = outside_flows::off_clock_absent(elab, scope, *output, &wire, span);
         }
         leaves.extend(wire.iter().cloned());
     }

@@ -4,14 +4,16 @@
 //! the host sees which claim fails and with which values.
 
 use crate::elab::block;
-use crate::elab::entry_point;
 use crate::elab::expr;
+use crate::elab::external_ports;
 use crate::elab::flows;
+use crate::elab::presence;
 use crate::elab::scope::Scope;
 use crate::elab::signal::{Signal, nothing};
 use crate::elab::{At, Elab, Mode};
 use crate::ty::Ty;
-use crate::typed::{BlockId, Claim, ClaimKind, Each, ExprId, FlowId, Kind, Unit, UnitKind};
+use crate::typed::{BlockId, Claim, ClaimKind, ExprId, FlowId, Unit, UnitKind};
+use crate::typed::{Each, Kind};
 use rpi_diag::{Code, Finding, Span};
 use rpi_image::Value;
 use rpi_net::claim::{claim_key, read_key};
@@ -70,7 +72,7 @@ pub(in crate::elab) fn elab_claim<'u>(
         elab.findings.extend(always_false_error(elab, scope, claim));
     }
     if policy.is_fault() {
-        expr::assert(elab, check(scope, claim), &condition, at, claim.span);
+        presence::assert(elab, check(scope, claim), &condition, at, claim.span);
     }
     if policy.is_reported() {
         export_claim(elab, scope, (block, claim), &condition, at);
@@ -87,8 +89,8 @@ fn export_claim<'u>(
 ) {
     let fragment = fragment_around(scope, block);
     let key = claim_key(elab.net.claims.len() + 1);
-    let condition = expr::imply_guard(elab, condition, at, claim.span);
-    let port = entry_point::export_port(elab, &key, &condition, &Ty::Bool, at, claim.span);
+    let condition = presence::imply_guard(elab, condition, at, claim.span);
+    let port = external_ports::export_port(elab, &key, &condition, &Ty::Bool, at, claim.span);
     elab.watched.extend(port);
     let mut parts = Vec::new();
     parts_of(scope, claim.condition, &mut parts);
@@ -147,7 +149,7 @@ fn export_part<'u>(
     let mut reads = Vec::new();
     for ((name, ty), signal) in leaves.take(part.count) {
         let key = read_key(claim, &name);
-        let port = entry_point::export_port(elab, &key, signal, &ty, At::ROOT, expr.span);
+        let port = external_ports::export_port(elab, &key, signal, &ty, At::ROOT, expr.span);
         let ty = crate::check::outside_type(&ty).0;
         elab.watched.extend(port);
         reads.push(ClaimRead {

@@ -1,28 +1,29 @@
 //! Elaborates expressions, one method per kind.
 
 use crate::clocks::ClockId;
-use crate::elab::arrays::natural;
 use crate::elab::call;
 use crate::elab::device;
 use crate::elab::elementwise;
-use crate::elab::entry_point;
+use crate::elab::external_ports;
 use crate::elab::fragment_outputs;
 use crate::elab::guards;
 use crate::elab::node_budget;
 use crate::elab::nodes;
+use crate::elab::outside_flows;
+use crate::elab::presence;
+use crate::elab::prim_calls;
 use crate::elab::primitive_family::Family;
 use crate::elab::sampled_flows;
 use crate::elab::scope::Scope;
-use crate::elab::short_circuit;
-use crate::elab::signal::{Given, Signal, Wire, nothing, single};
+use crate::elab::signal::{Signal, Wire, nothing};
 use crate::elab::subrange;
 use crate::elab::time;
 use crate::elab::{At, Elab, Mode, NotConstant};
-use crate::typed::{Activation, ExprId, Kind, PrimCall};
+use crate::typed::ExprId;
+use crate::typed::{Activation, Kind};
 use rpi_diag::{Finding, Span};
-use rpi_image::{ParamType, PortType, Role, Scalar, Type, Value};
+use rpi_image::{Scalar, Value};
 use rpi_net::prim;
-use rpi_prims::PrimId;
 use smallvec::SmallVec;
 
 /// Greatest depth of nested calls that is elaborated recursively from the outside in.
@@ -100,7 +101,7 @@ fn elaborate_expr<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>, id: ExprId, at
         Kind::None => (0..expr.ty.leaf_count().max(1))
             .map(|_| Signal::Absent)
             .collect(),
-        Kind::Outside => entry_point::open_value(elab, scope, id, at),
+        Kind::Outside => external_ports::open_value(elab, scope, id, at),
         Kind::Flow(flow) => {
             let facts = sampled_flows::facts_of(elab, scope);
             let outside = facts.is_some_and(|facts| facts.clocks.is_outside(id));
@@ -134,11 +135,13 @@ fn elaborate_expr<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>, id: ExprId, at
         Kind::Each(each, operands) => {
             elementwise::elementwise(elab, scope, *each, operands, id, at)
         }
-        Kind::Equal { operands, negated } => equal(elab, scope, id, *operands, *negated, at),
-        Kind::Present(operand) => present(elab, scope, [id, *operand], at, span),
-        Kind::Prim(call) => prim_call(elab, scope, call, id, at),
+        Kind::Equal { operands, negated } => {
+            presence::equal(elab, scope, id, *operands, *negated, at)
+        }
+        Kind::Present(operand) => presence::present(elab, scope, [id, *operand], at, span),
+        Kind::Prim(call) => prim_calls::prim_call(elab, scope, call, id, at),
         Kind::Call(call) => call::elab_call(elab, scope, call, id, at),
-        Kind::When { value, .. } => sampled_flows::sampled_value(elab, scope, [id, *value], at),
+        Kind::When { value, .. } => outside_flows::sampled_value(elab, scope, [id, *value], at),
         Kind::Merge { on, cases } => sampled_flows::merge(elab, scope, *on, cases, id, at),
         Kind::Current(operand) => sampled_flows::elab_current(elab, scope, [id, *operand], at),
     }
@@ -282,287 +285,13 @@ fn check_index(elab: &mut Elab<'_>, index: &Signal, count: usize, at: At, span: 
         span,
     );
     let inside = nodes::add_simple(elab, prim!("Core::BooleanAnd"), &[from, to], at, span);
-    assert(elab, prim!("Rpi::AssertIndex"), &inside, at, span);
-}
-
-/// Returns a condition that is true in cycles in which the enclosing branch is not chosen.
-pub(in crate::elab) fn imply_guard(
-    elab: &mut Elab<'_>,
-    condition: &Signal,
-    at: At,
-    span: Span,
-) -> Signal {
-    match at.guard {
-        Some(guard) => nodes::add_simple(
-            elab,
-            prim!("Rpi::BooleanImplies"),
-            &[Signal::Port(guard), condition.clone()],
-            at,
-            span,
-        ),
-        None => condition.clone(),
-    }
-}
-
-/// Adds a check that ends the command with a fault in a cycle in which the condition is false.
-pub(in crate::elab) fn assert(
-    elab: &mut Elab<'_>,
-    check: PrimId,
-    condition: &Signal,
-    at: At,
-    span: Span,
-) {
-    if *condition == Signal::Const(Value::bool(true)) {
-        return;
-    }
-    let condition = imply_guard(elab, condition, at, span);
-    if elab.mode != Mode::Constant {
-        nodes::add_simple(elab, check, &[condition], at, span);
-    } else {
-        elab.fail(NotConstant::Fault(
-            span,
-            "the index is out of bounds".to_owned(),
-        ));
-    }
-}
-
-/// Elaborates `x = y`, leaf by leaf.
-fn equal<'u>(
-    elab: &mut Elab<'u>,
-    scope: &mut Scope<'u>,
-    id: ExprId,
-    operands: [ExprId; 2],
-    negated: bool,
-    at: At,
-) -> Wire {
-    let span = scope.unit.expr(id).span;
-    let scalars = leaf_scalars(&scope.unit.expr(operands[0]).ty);
-    let [a, b] =
-        operands.map(|operand| sampled_flows::operand_wire(elab, scope, [id, operand], at));
-    let mut all: Option<Signal> = None;
-    for ((a, b), scalar) in a.iter().zip(b.iter()).zip(scalars) {
-        let same = nodes::add_family_member(
-            elab,
-            Family::Equals,
-            scalar,
-            &[a.clone(), b.clone()],
-            at,
-            span,
-        );
-        all = Some(match all {
-            None => same,
-            Some(all) => nodes::add_simple(elab, prim!("Core::BooleanAnd"), &[all, same], at, span),
-        });
-    }
-    let all = all.unwrap_or(Signal::Const(Value::bool(true)));
-    single(match negated {
-        true => nodes::add_simple(elab, prim!("Core::BooleanNot"), &[all], at, span),
-        false => all,
-    })
-}
-
-/// Elaborates `present(x)`: true if all leaves are present.
-fn present<'u>(
-    elab: &mut Elab<'u>,
-    scope: &mut Scope<'u>,
-    [id, operand]: [ExprId; 2],
-    at: At,
-    span: Span,
-) -> Wire {
-    let scalars = leaf_scalars(&scope.unit.expr(operand).ty);
-    let wire = sampled_flows::operand_wire(elab, scope, [id, operand], at);
-    let mut all = Signal::Const(Value::bool(true));
-    for (signal, scalar) in wire.iter().zip(scalars) {
-        let there = match signal {
-            Signal::Const(_) => Signal::Const(Value::bool(true)),
-            Signal::Absent => Signal::Const(Value::bool(false)),
-            other => {
-                let absent = nodes::add_family_member(
-                    elab,
-                    Family::IsNull,
-                    scalar,
-                    std::slice::from_ref(other),
-                    at,
-                    span,
-                );
-                nodes::add_simple(elab, prim!("Core::BooleanNot"), &[absent], at, span)
-            }
-        };
-        all = conjunction(elab, &all, &there, at, span);
-    }
-    single(all)
-}
-
-/// Returns a conjunction, without a node if one operand is constant.
-pub(in crate::elab) fn conjunction(
-    elab: &mut Elab<'_>,
-    a: &Signal,
-    b: &Signal,
-    at: At,
-    span: Span,
-) -> Signal {
-    let known = |signal: &Signal| match signal {
-        Signal::Const(value) => value.as_bool(),
-        _ => None,
-    };
-    match (known(a), known(b)) {
-        (Some(true), _) => b.clone(),
-        (_, Some(true)) => a.clone(),
-        (Some(false), other) | (other, Some(false)) if drops_dead_code(elab, other.is_none()) => {
-            Signal::Const(Value::bool(false))
-        }
-        _ => nodes::add_simple(
-            elab,
-            prim!("Core::BooleanAnd"),
-            &[a.clone(), b.clone()],
-            at,
-            span,
-        ),
-    }
+    presence::assert(elab, prim!("Rpi::AssertIndex"), &inside, at, span);
 }
 
 /// Returns whether code ruled out by a constant is left out. `reads`: whether that code reads flows.
 pub(in crate::elab) fn drops_dead_code(elab: &mut Elab<'_>, reads: bool) -> bool {
     elab.leaves_out |= reads;
     !reads || matches!(elab.mode, Mode::Net | Mode::Constant)
-}
-
-/// Elaborates `not present(x)` of a single leaf as one primitive.
-fn not_present<'u>(
-    elab: &mut Elab<'u>,
-    scope: &mut Scope<'u>,
-    call: &'u PrimCall,
-    id: ExprId,
-    at: At,
-) -> Option<Wire> {
-    let span = scope.unit.expr(id).span;
-    let operand = call.inputs.first().copied().flatten()?;
-    let Kind::Present(tested) = scope.unit.expr(operand).kind else {
-        return None;
-    };
-    let [scalar] = leaf_scalars(&scope.unit.expr(tested).ty)[..] else {
-        return None;
-    };
-    if call.prim != prim!("Core::BooleanNot") {
-        return None;
-    }
-    let wire = sampled_flows::operand_wire(elab, scope, [operand, tested], at);
-    let is_flow = matches!(wire.first()?, Signal::Port(_) | Signal::Element(..));
-    is_flow.then(|| {
-        single(nodes::add_family_member(
-            elab,
-            Family::IsNull,
-            scalar,
-            &wire,
-            at,
-            span,
-        ))
-    })
-}
-
-fn prim_call<'u>(
-    elab: &mut Elab<'u>,
-    scope: &mut Scope<'u>,
-    call: &'u PrimCall,
-    id: ExprId,
-    at: At,
-) -> Wire {
-    let span = scope.unit.expr(id).span;
-    if elab.mode == Mode::Constant
-        && let Some(wire) = time::constant_duration(elab, scope, call, at, span)
-    {
-        return wire;
-    }
-    if let Some(test) = not_present(elab, scope, call, id, at) {
-        return test;
-    }
-    if let Some(decided) = short_circuit::short_circuit(elab, scope, call, id, at) {
-        return decided;
-    }
-    let desc = call.prim.desc();
-    let is_of_cycle = matches!(desc.role, Role::Flow(_) | Role::First)
-        && desc.inputs.is_empty()
-        && desc.params.is_empty();
-    let key = (at.fragment, call.prim);
-    if let Some(known) = elab.of_cycle.get(&key).filter(|_| is_of_cycle) {
-        return known.clone();
-    }
-    let at = match crate::elab::guards::has_state(call) {
-        true => at.unguarded(),
-        false => at,
-    };
-    let mut inputs = Given::new();
-    for (port, input) in call.prim.desc().inputs.iter().zip(&call.inputs) {
-        inputs.push(input.map(|input| primitive_argument(elab, scope, [id, input], port.ty, at)));
-    }
-    let Some(params) = primitive_params(elab, scope, call, at, span) else {
-        return nothing();
-    };
-    let wire = match at
-        .guard
-        .and_then(|guard| crate::elab::guards::twin(call.prim).map(|twin| (guard, twin)))
-    {
-        Some((guard, twin)) => {
-            let guard = single(Signal::Port(guard));
-            inputs.insert(0, Some((Type::One(Scalar::Bool), guard)));
-            nodes::add_prim_typed(elab, twin, inputs, params, at, span)
-        }
-        None => nodes::add_prim_typed(elab, call.prim, inputs, params, at, span),
-    };
-    if is_of_cycle && elab.mode != Mode::Constant {
-        elab.of_cycle.insert(key, wire.clone());
-    }
-    wire
-}
-
-/// Returns the wire of a primitive's argument with its machine type.
-fn primitive_argument<'u>(
-    elab: &mut Elab<'u>,
-    scope: &mut Scope<'u>,
-    pair: [ExprId; 2],
-    port: PortType,
-    at: At,
-) -> (Type, Wire) {
-    let wire = sampled_flows::operand_wire(elab, scope, pair, at);
-    let known = crate::check::machine_type(&scope.unit.expr(pair[1]).ty);
-    let is_array = !matches!(port, PortType::One(_));
-    let ty = known.filter(|_| is_array);
-    (ty.unwrap_or_else(|| natural(port, wire.len())), wire)
-}
-
-/// Evaluates the parameters of a primitive, which must be constant here.
-fn primitive_params<'u>(
-    elab: &mut Elab<'u>,
-    scope: &mut Scope<'u>,
-    call: &'u PrimCall,
-    at: At,
-    span: Span,
-) -> Option<Vec<Value>> {
-    let desc = call.prim.desc();
-    let mut params = Vec::with_capacity(desc.params.len());
-    for (param, given) in desc.params.iter().zip(&call.params) {
-        let Some(id) = given else {
-            params.extend(crate::check::param_default(param));
-            continue;
-        };
-        let wire = elab_expr(elab, scope, *id, at);
-        let values: Option<Vec<Value>> = wire
-            .iter()
-            .map(|signal| elementwise::constant_value(elab, signal))
-            .collect();
-        let value = values.and_then(|values| match param.ty {
-            ParamType::Array(scalar) => Some(crate::check::packed(scalar, &values)),
-            _ => values.first().cloned(),
-        });
-        match value {
-            Some(value) => params.push(value),
-            None => {
-                elab.fail(NotConstant::Flow(span));
-                return None;
-            }
-        }
-    }
-    Some(params)
 }
 
 /// Returns `count` leaves of a wire starting at `at`.

@@ -9,7 +9,7 @@ use crate::elab::expr::leaf_scalars;
 use crate::elab::flows;
 use crate::elab::fragment_inputs;
 use crate::elab::nodes;
-use crate::elab::sampled_flows;
+use crate::elab::outside_flows;
 use crate::elab::scope::Scope;
 use crate::elab::signal::{Signal, Wire, alias_of};
 use crate::elab::{At, Elab, Mode};
@@ -35,7 +35,7 @@ pub(in crate::elab) fn read_flow<'u>(
     span: Span,
 ) -> Wire {
     let wire = match is_outside {
-        true => sampled_flows::flow_outside_block(elab, scope, flow, span),
+        true => outside_flows::flow_outside_block(elab, scope, flow, span),
         false => flows::elab_flow(elab, scope, flow, span),
     };
     let wire = flow_for_reader(elab, scope, flow, wire, at);

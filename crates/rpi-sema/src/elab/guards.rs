@@ -7,10 +7,8 @@
 use crate::elab::Elab;
 use crate::elab::scope::Scope;
 use crate::hash::Set;
-use crate::typed::{
-    Activation, Block, BlockId, Call, Each, Equation, Expr, ExprId, Kind, PrimCall, Unit, UnitId,
-    UnitKind,
-};
+use crate::typed::{Activation, Call, Each, Expr, Kind, PrimCall};
+use crate::typed::{Block, BlockId, Equation, ExprId, Unit, UnitId, UnitKind};
 use rpi_image::Role;
 use rpi_prims::PrimId;
 use std::rc::Rc;

@@ -1,7 +1,8 @@
 //! Dependency lists for fixpoint iterations: from operands to expressions, from flows to their readers, from values to
 //! their definitions. A change is propagated only to its readers.
 
-use crate::typed::{BlockId, Equation, ExprId, FlowId, Kind, Shared, Unit};
+use crate::typed::Kind;
+use crate::typed::{BlockId, Equation, ExprId, FlowId, Shared, Unit};
 
 /// Definition of a flow.
 #[derive(Clone, Copy)]

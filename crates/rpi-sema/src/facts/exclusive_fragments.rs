@@ -1,6 +1,7 @@
 //! Mutually exclusive fragments: `??` over flows of fragments of which one is always active is always present.
 
-use crate::typed::{BlockId, Each, ExprId, FlowId, Kind, Unit};
+use crate::typed::{BlockId, ExprId, FlowId, Unit};
+use crate::typed::{Each, Kind};
 
 /// Returns whether `a ?? b` is present in all cycles because its operands include flows from fragments with opposite
 /// activations, or from all states of an automaton. `total` returns whether a flow is present whenever its block is

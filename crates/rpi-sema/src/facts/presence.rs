@@ -8,10 +8,8 @@ use crate::facts::Absence;
 use crate::facts::dependents::Definition;
 use crate::facts::dependents::Reads;
 use crate::ty::Ty;
-use crate::typed::{
-    Activation, BlockId, Call, Each, ExprId, FlowId, Kind, Optional, Place, PrimCall, Unit,
-    UnitKind,
-};
+use crate::typed::{Activation, Call, Each, Kind, PrimCall};
+use crate::typed::{BlockId, ExprId, FlowId, Optional, Place, Unit, UnitKind};
 use rpi_diag::{Code, Finding, Fix, Severity, Span};
 use rpi_image::{Need, Presence, Role};
 use std::collections::BTreeSet;

@@ -5,9 +5,8 @@ use crate::facts::Absence;
 use crate::facts::dependents::Definition;
 use crate::facts::dependents::Reads;
 use crate::facts::presence::Inference;
-use crate::typed::{
-    Activation, Call, Each, ExprId, Flow, FlowId, Kind, Optional, Place, Shared, Unit, UnitKind,
-};
+use crate::typed::{Activation, Call, Each, Kind};
+use crate::typed::{ExprId, Flow, FlowId, Optional, Place, Shared, Unit, UnitKind};
 use rpi_diag::{Code, Finding, Span};
 use std::collections::BTreeSet;
 

@@ -4,7 +4,8 @@
 
 use crate::facts::Facts;
 use crate::ty::Ty;
-use crate::typed::{Expr, ExprId, Flow, FlowId, Optional, Unit};
+use crate::typed::Expr;
+use crate::typed::{ExprId, Flow, FlowId, Optional, Unit};
 use rpi_diag::{FileId, Span};
 use std::collections::BTreeMap;
 

@@ -1,6 +1,7 @@
 //! Prints the typed program as text, for tests and debugging.
 
-use crate::typed::{Block, BlockId, Equation, ExprId, Kind, Optional, Place, Unit};
+use crate::typed::Kind;
+use crate::typed::{Block, BlockId, Equation, ExprId, Optional, Place, Unit};
 use std::fmt::Write;
 
 /// Formats a unit: its flows with types, and its equations with every operator as a primitive.

@@ -2,7 +2,8 @@
 //! expanded tree can be exponentially larger than the source.
 
 use crate::hash::Set;
-use crate::typed::{Expr, ExprId, Kind, Unit};
+use crate::typed::{Expr, Kind};
+use crate::typed::{ExprId, Unit};
 
 /// State of a traversal. A part is returned before its operands, which are visited only if [`enter`](Parts::enter) is
 /// called.

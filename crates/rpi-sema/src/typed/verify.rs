@@ -1,6 +1,7 @@
 //! Invariants of typed units, checked after each pass in tests and debug builds.
 
-use crate::typed::{Equation, ExprId, Kind, Place, Unit, UnitId};
+use crate::typed::Kind;
+use crate::typed::{Equation, ExprId, Place, Unit, UnitId};
 
 /// Checks the invariants of a unit of a program with `units` units.
 ///

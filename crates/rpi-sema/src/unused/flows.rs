@@ -5,7 +5,8 @@
 
 use crate::hash::Set;
 use crate::program::Program;
-use crate::typed::{Equation, Flow, FlowRole, Kind, Place, Unit, UnitKind};
+use crate::typed::Kind;
+use crate::typed::{Equation, Flow, FlowRole, Place, Unit, UnitKind};
 use rpi_diag::{Finding, Span};
 use rpi_net::passes::live::{acts, unused};
 use std::collections::{BTreeMap, BTreeSet};

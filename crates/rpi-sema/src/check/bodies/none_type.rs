@@ -7,7 +7,8 @@ use crate::check::calls::prim_ports::port_ty;
 use crate::check::diagnostics::report;
 use crate::hash::Set;
 use crate::ty::Ty;
-use crate::typed::{BlockId, Each, ExprId, FlowId, Kind, Place};
+use crate::typed::{BlockId, ExprId, FlowId, Place};
+use crate::typed::{Each, Kind};
 use rpi_diag::{Code, Finding, Severity};
 
 /// Infers the type of every `none` of the unit, and reports those whose type remains unknown.

@@ -7,7 +7,8 @@ use crate::check::calls::args;
 use crate::check::calls::args::Given;
 use crate::check::signatures::header::Header;
 use crate::ty::Ty;
-use crate::typed::{ExprId, Kind};
+use crate::typed::ExprId;
+use crate::typed::Kind;
 
 /// Replaces positional arguments that are tuples by their elements: `f(g(x))` where `g` has two outputs.
 pub(crate) fn flatten_tuple_args<'a>(

@@ -34,9 +34,8 @@ use crate::check::signatures::unit;
 use crate::check::types::data;
 use crate::program::{DeclId, DeclKind};
 use crate::ty::{Subst, Ty};
-use crate::typed::{
-    self, Activation, Equation, ExprId, FlowRole, Kind, Optional, Place, Target, UnitKind,
-};
+use crate::typed::{self, Equation, ExprId, FlowRole, Optional, Place, Target, UnitKind};
+use crate::typed::{Activation, Kind};
 use rpi_diag::{Code, Finding, Span};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{self, NodeDef};

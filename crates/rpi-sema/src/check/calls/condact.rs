@@ -12,7 +12,8 @@ use crate::check::diagnostics::report::Wanted;
 use crate::check::exprs::expr;
 use crate::check::signatures::static_args;
 use crate::ty::Ty;
-use crate::typed::{Activation, Each, ExprId, Kind};
+use crate::typed::ExprId;
+use crate::typed::{Activation, Each, Kind};
 use rpi_diag::{Code, Finding, Span};
 use rpi_syntax::ast::{Call, Expr, StaticValue};
 

@@ -7,7 +7,8 @@ use crate::check::diagnostics::report::listed;
 use crate::check::signatures::header::Header;
 use crate::ty::Subst;
 use crate::ty::fit;
-use crate::typed::{ExprId, Kind};
+use crate::typed::ExprId;
+use crate::typed::Kind;
 use rpi_diag::{Code, Finding, Fix};
 
 /// Maximum number of mismatched arguments for which other orders are tried.

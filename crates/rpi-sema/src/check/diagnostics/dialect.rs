@@ -7,7 +7,8 @@
 //! reported by the parser.
 
 use crate::facts::literal;
-use crate::typed::{Each, Equation, ExprId, FlowId, Kind, Leaf, Place, PrimCall, Unit};
+use crate::typed::{Each, Kind, PrimCall};
+use crate::typed::{Equation, ExprId, FlowId, Leaf, Place, Unit};
 use rpi_diag::{Code, Finding, Span};
 use rpi_net::prim;
 use rpi_prims::PrimId;

@@ -3,7 +3,8 @@
 
 use crate::check::bodies::body::Body;
 use crate::ty::Ty;
-use crate::typed::{ExprId, Kind};
+use crate::typed::ExprId;
+use crate::typed::Kind;
 use rpi_diag::{Code, Finding, Span};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{Expr, ExprKind, Ident};

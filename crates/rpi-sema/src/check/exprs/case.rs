@@ -2,7 +2,8 @@
 
 use crate::check::bodies::body::Body;
 use crate::facts::literal;
-use crate::typed::{Activation, Call, ClockOn, ExprId, Kind};
+use crate::typed::{Activation, Call, Kind};
+use crate::typed::{ClockOn, ExprId};
 
 /// Gives a call in a case of a `merge` and its arguments the clock of the case, if the call is activated by the
 /// same condition. Returns any other case as it is.

@@ -12,7 +12,8 @@ use crate::check::types;
 use crate::check::types::is_foreign;
 use crate::program::{DeclKind, Lookup, Space};
 use crate::ty::{StructTy, Ty};
-use crate::typed::{ExprId, Kind, UnitKind};
+use crate::typed::Kind;
+use crate::typed::{ExprId, UnitKind};
 use rpi_diag::{Code, Finding, Span};
 use rpi_syntax::ast::{
     self, Ascribed, Call, Expr, NodeDef, NodeKind, Quantified, Refined, StaticArg, TypeKind,

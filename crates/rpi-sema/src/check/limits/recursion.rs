@@ -3,7 +3,8 @@
 //! A recursion over static parameters has a unit for each choice of static arguments, and so no dependency cycle of
 //! units.
 
-use crate::typed::{Kind, Unit, UnitId, UnitKind};
+use crate::typed::Kind;
+use crate::typed::{Unit, UnitId, UnitKind};
 use rpi_diag::{Code, Finding, Span};
 
 /// A call from one unit to another, or a step of a task.

@@ -9,7 +9,8 @@ use crate::check::diagnostics::report::unknown;
 use crate::check::exprs::expr;
 use crate::check::signatures::unit;
 use crate::ty::Ty;
-use crate::typed::{BlockId, Equation, ExprId, FlowRole, Kind, Optional, Place, Target};
+use crate::typed::Kind;
+use crate::typed::{BlockId, Equation, ExprId, FlowRole, Optional, Place, Target};
 use rpi_diag::Span;
 use rpi_syntax::ast::{self, Contract, ContractImport, Ident};
 

@@ -21,7 +21,8 @@ use crate::check::task;
 use crate::check::types::consts;
 use crate::elab::MAX_DEPTH;
 use crate::program::{DeclId, DeclKind};
-use crate::typed::{ExprId, Kind, Unit, UnitId, UnitKind};
+use crate::typed::Kind;
+use crate::typed::{ExprId, Unit, UnitId, UnitKind};
 use rpi_diag::{Code, Finding, Severity, Span};
 use rpi_syntax::ast::{
     self, CommandDecl, Contract, FragmentDecl, Modifier, NodeDecl, NodeDef, NodeKind,

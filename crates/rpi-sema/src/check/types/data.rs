@@ -26,7 +26,8 @@ use crate::ty::StructTy;
 use crate::ty::Subst;
 use crate::ty::Ty;
 use crate::ty::fit;
-use crate::typed::{ExprId, Kind, Leaf};
+use crate::typed::Kind;
+use crate::typed::{ExprId, Leaf};
 use rpi_diag::{Code, Finding, Span};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{

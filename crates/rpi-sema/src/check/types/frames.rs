@@ -3,7 +3,8 @@
 use crate::check::bodies::body::Body;
 use crate::check::diagnostics::report;
 use crate::ty::{Geometry, Ty};
-use crate::typed::{ExprId, Kind};
+use crate::typed::ExprId;
+use crate::typed::Kind;
 use crate::units::Dim;
 use rpi_diag::{Code, Finding, Fix, Span};
 use rpi_image::Scalar;

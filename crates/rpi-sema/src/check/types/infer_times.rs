@@ -14,7 +14,8 @@ use crate::check::types::exact_time::SECONDS;
 use crate::check::types::exact_time::is_fixed;
 use crate::hash::Map;
 use crate::ty::Ty;
-use crate::typed::{Each, Expr, ExprId, FlowId, FlowRole, Kind, PrimCall, Unit};
+use crate::typed::{Each, Expr, Kind, PrimCall};
+use crate::typed::{ExprId, FlowId, FlowRole, Unit};
 use std::collections::BTreeMap;
 
 /// Maximum number of rounds of inference. After the first round, types can only change from time to seconds.

@@ -4,7 +4,8 @@
 use crate::check::bodies::body::Body;
 use crate::check::signatures::unit;
 use crate::hash::Map;
-use crate::typed::{Each, ExprId, FlowId, Kind, Place, PrimCall, Unit};
+use crate::typed::{Each, Kind, PrimCall};
+use crate::typed::{ExprId, FlowId, Place, Unit};
 use rpi_diag::{Code, Finding, Fix, Span};
 use rpi_net::prim;
 use rpi_syntax::ast;

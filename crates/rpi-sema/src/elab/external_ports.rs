@@ -1,0 +1,295 @@
+//! Ports of the unit that a net is made of: inputs, outputs and exports.
+
+use crate::clocks::ClockId;
+use crate::elab::arrays;
+use crate::elab::block;
+use crate::elab::elementwise;
+use crate::elab::entry_point::PortShape;
+use crate::elab::entry_point::UPDATED;
+use crate::elab::expr;
+use crate::elab::flows;
+use crate::elab::fragment_outputs;
+use crate::elab::nodes;
+use crate::elab::outside_flows;
+use crate::elab::primitive_family::Family;
+use crate::elab::sampled_flows;
+use crate::elab::scope::{Scope, State};
+use crate::elab::signal::{Signal, Wire};
+use crate::elab::subrange;
+use crate::elab::time;
+use crate::elab::{At, Elab, Mode, NotConstant};
+use crate::ty::Ty;
+use crate::typed::{BlockId, ExprId, FlowId, FlowRole, Optional};
+use rpi_image::{Scalar, Value};
+use rpi_net::{ExportPort, Given, Origin};
+
+/// Elaborates the inputs of a node on its own and the values that a command takes over. They are set from outside
+/// by key.
+pub(crate) fn unit_inputs<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>) -> Vec<PortShape> {
+    let unit = scope.unit;
+    let mut shapes = Vec::new();
+    for flow in unit
+        .inputs
+        .iter()
+        .filter(|id| unit.flow(**id).role != FlowRole::Param)
+    {
+        let declared = unit.flow(*flow);
+        block::set_node_name(elab, &declared.name);
+        let default = declared
+            .default
+            .map(|id| expr::elab_expr(elab, scope, id, At::ROOT));
+        let optional = declared.optional == Optional::Declared(true);
+        let mut leaves: Vec<(String, Ty)> = Vec::new();
+        declared
+            .ty
+            .leaves(&mut |path, ty| leaves.push((format!("{}{path}", declared.name), ty.clone())));
+        let mut wire = Vec::with_capacity(leaves.len());
+        for (k, (key, ty)) in leaves.into_iter().enumerate() {
+            let (seen, scalar) = crate::check::outside_type(&ty);
+            let default = default.as_ref().and_then(|wire| wire.get(k)).cloned();
+            let default = default.map(|signal| {
+                time::convert_to_seconds(elab, &signal, &ty, At::ROOT, declared.span)
+            });
+            let value = match (ty == Ty::Duration, declared.default) {
+                (true, Some(id)) => crate::elab::constant(elab.units, unit, id)
+                    .ok()
+                    .and_then(|leaves| leaves.get(k).cloned()),
+                _ => default
+                    .as_ref()
+                    .and_then(|signal| elementwise::constant_value(elab, signal)),
+            };
+            let given = external_input_at(elab, (&key, value), scalar, At::ROOT, declared.span);
+            let given = match optional {
+                true => or_default(elab, &given, scalar, default.as_ref(), declared.span),
+                false => given,
+            };
+            wire.push(time::convert_to_ticks(
+                elab,
+                given,
+                &ty,
+                At::ROOT,
+                declared.span,
+            ));
+            let ty = seen;
+            if declared.role == FlowRole::Given {
+                elab.net.given.push(Given {
+                    key: key.clone(),
+                    is_needed: declared.default.is_none() && !optional,
+                });
+            }
+            shapes.push(PortShape { key, ty, optional });
+        }
+        *scope.state(*flow) = State::Known(wire.into());
+        subrange::check_external_input(elab, scope, *flow);
+    }
+    shapes
+}
+
+/// Returns the signal of an optional input: its default, or absent, until it is set.
+fn or_default(
+    elab: &mut Elab<'_>,
+    given: &Signal,
+    scalar: Scalar,
+    default: Option<&Signal>,
+    span: rpi_diag::Span,
+) -> Signal {
+    let Signal::Port(value) = given else {
+        return given.clone();
+    };
+    let updated = Signal::Port(rpi_net::PortRef {
+        port: UPDATED,
+        ..*value
+    });
+    let is_open = nodes::add_family_member(
+        elab,
+        Family::IsNull,
+        Scalar::Time,
+        &[updated],
+        At::ROOT,
+        span,
+    );
+    let otherwise = default.cloned().unwrap_or(Signal::Absent);
+    let inputs = [is_open, otherwise, given.clone()];
+    nodes::add_family_member(elab, Family::Conditional, scalar, &inputs, At::ROOT, span)
+}
+
+/// Elaborates a value that the program leaves open as an external input.
+pub(in crate::elab) fn open_value<'u>(
+    elab: &mut Elab<'u>,
+    scope: &Scope<'u>,
+    id: ExprId,
+    at: At,
+) -> Wire {
+    let expr = scope.unit.expr(id);
+    if elab.mode == Mode::Constant {
+        return elab.fail(NotConstant::Flow(expr.span));
+    }
+    elab.serial += 1;
+    let name = format!("{}#any{}", elab.name, elab.serial - 1);
+    let mut leaves: Vec<(String, Ty)> = Vec::new();
+    let mut leaf = |path: String, ty: &Ty| leaves.push((format!("{name}{path}"), ty.clone()));
+    expr.ty.leaves(&mut |path, ty| leaf(path.to_owned(), ty));
+    let leaves = leaves.into_iter();
+    let signals = leaves.map(|(key, ty)| {
+        let given = external_input_at(
+            elab,
+            (&key, None),
+            time::external_scalar(&ty),
+            at,
+            expr.span,
+        );
+        time::convert_to_ticks(elab, given, &ty, at, expr.span)
+    });
+    signals.collect()
+}
+
+pub(crate) fn external_input(
+    elab: &mut Elab<'_>,
+    key: &str,
+    scalar: Scalar,
+    span: rpi_diag::Span,
+) -> Signal {
+    external_input_at(elab, (key, None), scalar, At::ROOT, span)
+}
+
+/// Adds an external input with a key and an optional initial value.
+fn external_input_at(
+    elab: &mut Elab<'_>,
+    (key, default): (&str, Option<Value>),
+    scalar: Scalar,
+    at: At,
+    span: rpi_diag::Span,
+) -> Signal {
+    let Some(prim) = crate::elab::primitive_family::member(Family::Input, scalar) else {
+        return Signal::Absent;
+    };
+    let value = |param: &rpi_image::Param| match param.name {
+        "Key" => Some(Value::Str(key.to_owned())),
+        "Value" if default.is_some() => default.clone(),
+        _ => crate::check::param_default(param),
+    };
+    let params = prim.desc().params.iter().filter_map(value).collect();
+    let wire = nodes::add_prim(elab, prim, Vec::new(), params, at, span);
+    if let Some(Signal::Port(port)) = wire.first() {
+        let node = &mut elab.net.nodes[port.node.index()];
+        key.clone_into(&mut node.name);
+        node.origin.flow = Some(key.to_owned());
+    }
+    wire.first().cloned().unwrap_or(Signal::Absent)
+}
+
+/// Exports the outputs of a node on its own.
+pub(crate) fn unit_outputs<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>) -> Vec<PortShape> {
+    let unit = scope.unit;
+    let mut shapes = Vec::new();
+    for flow in &unit.outputs {
+        let declared = unit.flow(*flow);
+        let wire = flows::elab_flow(elab, scope, *flow, declared.span);
+        block::set_node_name(elab, &declared.name);
+        let wire = outside_flows::off_clock_absent(elab, scope, *flow, &wire, declared.span);
+        let mut leaves: Vec<(String, Ty)> = Vec::new();
+        declared
+            .ty
+            .leaves(&mut |path, ty| leaves.push((format!("{}{path}", declared.name), ty.clone())));
+        for ((key, ty), signal) in leaves.into_iter().zip(wire.iter()) {
+            elab_export(elab, &key, signal, &ty, declared.span);
+            let optional = declared.optional != Optional::Declared(false);
+            let ty = crate::check::outside_type(&ty).0;
+            shapes.push(PortShape { key, ty, optional });
+        }
+    }
+    shapes
+}
+
+pub(in crate::elab) fn elab_export(
+    elab: &mut Elab<'_>,
+    key: &str,
+    signal: &Signal,
+    ty: &Ty,
+    span: rpi_diag::Span,
+) {
+    let port = export_port(elab, key, signal, ty, At::ROOT, span);
+    elab.net.exports.extend(port);
+}
+
+/// Returns the port that exports a flow. A constant is exported in the cycles in which the fragment of `at` is
+/// active.
+pub(in crate::elab) fn export_port(
+    elab: &mut Elab<'_>,
+    key: &str,
+    signal: &Signal,
+    ty: &Ty,
+    at: At,
+    span: rpi_diag::Span,
+) -> Option<ExportPort> {
+    let signal = time::convert_to_seconds(elab, signal, ty, at, span);
+    let source = arrays::port_of(elab, &signal, time::external_scalar(ty), at, span)?;
+    Some(ExportPort {
+        key: key.to_owned(),
+        source,
+        origin: Origin {
+            span,
+            flow: Some(key.to_owned()),
+        },
+    })
+}
+
+/// Exports the local flows, qualified by the names of their blocks.
+pub(crate) fn elab_locals<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>) -> Vec<PortShape> {
+    let unit = scope.unit;
+    let mut shapes = Vec::new();
+    for id in (0..).map(FlowId).take(unit.flows.len()) {
+        let declared = unit.flow(id);
+        let is_device = matches!(declared.ty, Ty::Device(_));
+        if declared.role != FlowRole::Local || is_device {
+            continue;
+        }
+        let is_inner = declared.block != BlockId::ROOT;
+        let wire =
+            fragment_outputs::read_flow(elab, scope, (id, is_inner), At::ROOT, declared.span);
+        let wire = match is_inner {
+            true => wire,
+            false => outside_flows::off_clock_absent(elab, scope, id, &wire, declared.span),
+        };
+        let name = unit.path_of(id);
+        block::set_node_name(elab, &name);
+        let mut leaves: Vec<(String, Ty)> = Vec::new();
+        declared
+            .ty
+            .leaves(&mut |path, ty| leaves.push((format!("{name}{path}"), ty.clone())));
+        for ((key, ty), signal) in leaves.into_iter().zip(wire.iter()) {
+            if let Some(port) = export_port(elab, &key, signal, &ty, At::ROOT, declared.span) {
+                elab.watched.push(port);
+                let optional = declared.optional != Optional::Declared(false);
+                let ty = crate::check::outside_type(&ty).0;
+                shapes.push(PortShape { key, ty, optional });
+            }
+        }
+    }
+    shapes
+}
+
+pub(crate) fn exports<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>) {
+    let unit = scope.unit;
+    for (k, block) in unit.blocks.iter().enumerate() {
+        let fragment = scope.fragments[k].unwrap_or(rpi_net::FragmentId::ROOT);
+        for export in &block.exports {
+            scope.base = fragment;
+            let wire = sampled_flows::read_at(
+                elab,
+                scope,
+                export.value,
+                ClockId::BASE,
+                At::fragment(fragment),
+            );
+            scope.base = rpi_net::FragmentId::ROOT;
+            block::set_node_name(elab, &export.key);
+            let mut leaves: Vec<(String, Ty)> = Vec::new();
+            let ty = &unit.expr(export.value).ty;
+            ty.leaves(&mut |path, ty| leaves.push((format!("{}{path}", export.key), ty.clone())));
+            for ((key, ty), signal) in leaves.into_iter().zip(wire.iter()) {
+                elab_export(elab, &key, signal, &ty, export.span);
+            }
+        }
+    }
+}

@@ -1,0 +1,186 @@
+//! Presence tests and conditions on presence.
+
+use crate::elab::expr;
+use crate::elab::nodes;
+use crate::elab::primitive_family::Family;
+use crate::elab::sampled_flows;
+use crate::elab::scope::Scope;
+use crate::elab::signal::{Signal, Wire, single};
+use crate::elab::{At, Elab, Mode, NotConstant};
+use crate::typed::ExprId;
+use crate::typed::{Kind, PrimCall};
+use rpi_diag::Span;
+use rpi_image::Value;
+use rpi_net::prim;
+use rpi_prims::PrimId;
+
+/// Returns a condition that is true in cycles in which the enclosing branch is not chosen.
+pub(in crate::elab) fn imply_guard(
+    elab: &mut Elab<'_>,
+    condition: &Signal,
+    at: At,
+    span: Span,
+) -> Signal {
+    match at.guard {
+        Some(guard) => nodes::add_simple(
+            elab,
+            prim!("Rpi::BooleanImplies"),
+            &[Signal::Port(guard), condition.clone()],
+            at,
+            span,
+        ),
+        None => condition.clone(),
+    }
+}
+
+/// Adds a check that ends the command with a fault in a cycle in which the condition is false.
+pub(in crate::elab) fn assert(
+    elab: &mut Elab<'_>,
+    check: PrimId,
+    condition: &Signal,
+    at: At,
+    span: Span,
+) {
+    if *condition == Signal::Const(Value::bool(true)) {
+        return;
+    }
+    let condition = imply_guard(elab, condition, at, span);
+    if elab.mode != Mode::Constant {
+        nodes::add_simple(elab, check, &[condition], at, span);
+    } else {
+        elab.fail(NotConstant::Fault(
+            span,
+            "the index is out of bounds".to_owned(),
+        ));
+    }
+}
+
+/// Elaborates `x = y`, leaf by leaf.
+pub(crate) fn equal<'u>(
+    elab: &mut Elab<'u>,
+    scope: &mut Scope<'u>,
+    id: ExprId,
+    operands: [ExprId; 2],
+    negated: bool,
+    at: At,
+) -> Wire {
+    let span = scope.unit.expr(id).span;
+    let scalars = expr::leaf_scalars(&scope.unit.expr(operands[0]).ty);
+    let [a, b] =
+        operands.map(|operand| sampled_flows::operand_wire(elab, scope, [id, operand], at));
+    let mut all: Option<Signal> = None;
+    for ((a, b), scalar) in a.iter().zip(b.iter()).zip(scalars) {
+        let same = nodes::add_family_member(
+            elab,
+            Family::Equals,
+            scalar,
+            &[a.clone(), b.clone()],
+            at,
+            span,
+        );
+        all = Some(match all {
+            None => same,
+            Some(all) => nodes::add_simple(elab, prim!("Core::BooleanAnd"), &[all, same], at, span),
+        });
+    }
+    let all = all.unwrap_or(Signal::Const(Value::bool(true)));
+    single(match negated {
+        true => nodes::add_simple(elab, prim!("Core::BooleanNot"), &[all], at, span),
+        false => all,
+    })
+}
+
+/// Elaborates `present(x)`: true if all leaves are present.
+pub(crate) fn present<'u>(
+    elab: &mut Elab<'u>,
+    scope: &mut Scope<'u>,
+    [id, operand]: [ExprId; 2],
+    at: At,
+    span: Span,
+) -> Wire {
+    let scalars = expr::leaf_scalars(&scope.unit.expr(operand).ty);
+    let wire = sampled_flows::operand_wire(elab, scope, [id, operand], at);
+    let mut all = Signal::Const(Value::bool(true));
+    for (signal, scalar) in wire.iter().zip(scalars) {
+        let there = match signal {
+            Signal::Const(_) => Signal::Const(Value::bool(true)),
+            Signal::Absent => Signal::Const(Value::bool(false)),
+            other => {
+                let absent = nodes::add_family_member(
+                    elab,
+                    Family::IsNull,
+                    scalar,
+                    std::slice::from_ref(other),
+                    at,
+                    span,
+                );
+                nodes::add_simple(elab, prim!("Core::BooleanNot"), &[absent], at, span)
+            }
+        };
+        all = conjunction(elab, &all, &there, at, span);
+    }
+    single(all)
+}
+
+/// Returns a conjunction, without a node if one operand is constant.
+pub(in crate::elab) fn conjunction(
+    elab: &mut Elab<'_>,
+    a: &Signal,
+    b: &Signal,
+    at: At,
+    span: Span,
+) -> Signal {
+    let known = |signal: &Signal| match signal {
+        Signal::Const(value) => value.as_bool(),
+        _ => None,
+    };
+    match (known(a), known(b)) {
+        (Some(true), _) => b.clone(),
+        (_, Some(true)) => a.clone(),
+        (Some(false), other) | (other, Some(false))
+            if expr::drops_dead_code(elab, other.is_none()) =>
+        {
+            Signal::Const(Value::bool(false))
+        }
+        _ => nodes::add_simple(
+            elab,
+            prim!("Core::BooleanAnd"),
+            &[a.clone(), b.clone()],
+            at,
+            span,
+        ),
+    }
+}
+
+/// Elaborates `not present(x)` of a single leaf as one primitive.
+pub(crate) fn not_present<'u>(
+    elab: &mut Elab<'u>,
+    scope: &mut Scope<'u>,
+    call: &'u PrimCall,
+    id: ExprId,
+    at: At,
+) -> Option<Wire> {
+    let span = scope.unit.expr(id).span;
+    let operand = call.inputs.first().copied().flatten()?;
+    let Kind::Present(tested) = scope.unit.expr(operand).kind else {
+        return None;
+    };
+    let [scalar] = expr::leaf_scalars(&scope.unit.expr(tested).ty)[..] else {
+        return None;
+    };
+    if call.prim != prim!("Core::BooleanNot") {
+        return None;
+    }
+    let wire = sampled_flows::operand_wire(elab, scope, [operand, tested], at);
+    let is_flow = matches!(wire.first()?, Signal::Port(_) | Signal::Element(..));
+    is_flow.then(|| {
+        single(nodes::add_family_member(
+            elab,
+            Family::IsNull,
+            scalar,
+            &wire,
+            at,
+            span,
+        ))
+    })
+}

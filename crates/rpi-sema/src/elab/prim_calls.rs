@@ -1,0 +1,122 @@
+//! Calls of primitives: arguments, parameters and results.
+
+use crate::elab::arrays::natural;
+use crate::elab::elementwise;
+use crate::elab::expr;
+use crate::elab::nodes;
+use crate::elab::presence;
+use crate::elab::sampled_flows;
+use crate::elab::scope::Scope;
+use crate::elab::short_circuit;
+use crate::elab::signal::{Given, Signal, Wire, nothing, single};
+use crate::elab::time;
+use crate::elab::{At, Elab, Mode, NotConstant};
+use crate::typed::ExprId;
+use crate::typed::PrimCall;
+use rpi_diag::Span;
+use rpi_image::{ParamType, PortType, Role, Scalar, Type, Value};
+
+pub(crate) fn prim_call<'u>(
+    elab: &mut Elab<'u>,
+    scope: &mut Scope<'u>,
+    call: &'u PrimCall,
+    id: ExprId,
+    at: At,
+) -> Wire {
+    let span = scope.unit.expr(id).span;
+    if elab.mode == Mode::Constant
+        && let Some(wire) = time::constant_duration(elab, scope, call, at, span)
+    {
+        return wire;
+    }
+    if let Some(test) = presence::not_present(elab, scope, call, id, at) {
+        return test;
+    }
+    if let Some(decided) = short_circuit::short_circuit(elab, scope, call, id, at) {
+        return decided;
+    }
+    let desc = call.prim.desc();
+    let is_of_cycle = matches!(desc.role, Role::Flow(_) | Role::First)
+        && desc.inputs.is_empty()
+        && desc.params.is_empty();
+    let key = (at.fragment, call.prim);
+    if let Some(known) = elab.of_cycle.get(&key).filter(|_| is_of_cycle) {
+        return known.clone();
+    }
+    let at = match crate::elab::guards::has_state(call) {
+        true => at.unguarded(),
+        false => at,
+    };
+    let mut inputs = Given::new();
+    for (port, input) in call.prim.desc().inputs.iter().zip(&call.inputs) {
+        inputs.push(input.map(|input| primitive_argument(elab, scope, [id, input], port.ty, at)));
+    }
+    let Some(params) = primitive_params(elab, scope, call, at, span) else {
+        return nothing();
+    };
+    let wire = match at
+        .guard
+        .and_then(|guard| crate::elab::guards::twin(call.prim).map(|twin| (guard, twin)))
+    {
+        Some((guard, twin)) => {
+            let guard = single(Signal::Port(guard));
+            inputs.insert(0, Some((Type::One(Scalar::Bool), guard)));
+            nodes::add_prim_typed(elab, twin, inputs, params, at, span)
+        }
+        None => nodes::add_prim_typed(elab, call.prim, inputs, params, at, span),
+    };
+    if is_of_cycle && elab.mode != Mode::Constant {
+        elab.of_cycle.insert(key, wire.clone());
+    }
+    wire
+}
+
+/// Returns the wire of a primitive's argument with its machine type.
+fn primitive_argument<'u>(
+    elab: &mut Elab<'u>,
+    scope: &mut Scope<'u>,
+    pair: [ExprId; 2],
+    port: PortType,
+    at: At,
+) -> (Type, Wire) {
+    let wire = sampled_flows::operand_wire(elab, scope, pair, at);
+    let known = crate::check::machine_type(&scope.unit.expr(pair[1]).ty);
+    let is_array = !matches!(port, PortType::One(_));
+    let ty = known.filter(|_| is_array);
+    (ty.unwrap_or_else(|| natural(port, wire.len())), wire)
+}
+
+/// Evaluates the parameters of a primitive, which must be constant here.
+fn primitive_params<'u>(
+    elab: &mut Elab<'u>,
+    scope: &mut Scope<'u>,
+    call: &'u PrimCall,
+    at: At,
+    span: Span,
+) -> Option<Vec<Value>> {
+    let desc = call.prim.desc();
+    let mut params = Vec::with_capacity(desc.params.len());
+    for (param, given) in desc.params.iter().zip(&call.params) {
+        let Some(id) = given else {
+            params.extend(crate::check::param_default(param));
+            continue;
+        };
+        let wire = expr::elab_expr(elab, scope, *id, at);
+        let values: Option<Vec<Value>> = wire
+            .iter()
+            .map(|signal| elementwise::constant_value(elab, signal))
+            .collect();
+        let value = values.and_then(|values| match param.ty {
+            ParamType::Array(scalar) => Some(crate::check::packed(scalar, &values)),
+            _ => values.first().cloned(),
+        });
+        match value {
+            Some(value) => params.push(value),
+            None => {
+                elab.fail(NotConstant::Flow(span));
+                return None;
+            }
+        }
+    }
+    Some(params)
+}

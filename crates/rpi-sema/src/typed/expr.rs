@@ -1,0 +1,239 @@
+//! Typed expressions.
+
+use crate::ty::Ty;
+use crate::typed::ClockOn;
+use crate::typed::ExprId;
+use crate::typed::FlowId;
+use crate::typed::Leaf;
+use crate::typed::UnitId;
+use rpi_diag::Span;
+use rpi_prims::PrimId;
+use std::rc::Rc;
+
+/// Expression of a unit.
+#[derive(Clone, Debug)]
+pub struct Expr {
+    /// Kind of the expression, with its operands.
+    pub kind: Kind,
+    /// Type.
+    pub ty: Ty,
+    /// Span of the expression.
+    pub span: Span,
+}
+
+/// Kind of an expression, with its operands.
+#[derive(Clone, Debug)]
+pub enum Kind {
+    /// Error that has been reported.
+    Fault,
+    /// Constant, leaf by leaf.
+    Const(Rc<[Leaf]>),
+    /// Literal with a single leaf.
+    Literal(Leaf),
+    /// `none`
+    None,
+    /// Arbitrary value, which the program leaves open.
+    Outside,
+    /// Read of a flow.
+    Flow(FlowId),
+    /// Read of a sensor or status port of a device.
+    Sensor {
+        /// Device.
+        device: ExprId,
+        /// Index of the port in the device type.
+        port: u32,
+    },
+    /// Part of a composite value at a constant position: the leaves from `at` on.
+    Part {
+        /// Composite value.
+        base: ExprId,
+        /// Index of the first leaf.
+        at: u32,
+    },
+    /// Elements of an array with a constant step.
+    Slice {
+        /// Array.
+        base: ExprId,
+        /// Index of the first element.
+        from: u32,
+        /// Distance between elements; may be negative.
+        step: i32,
+    },
+    /// Element of an array at a computed index.
+    Select {
+        /// Array.
+        base: ExprId,
+        /// Index of the element, from 0.
+        index: ExprId,
+    },
+    /// Tuple, struct or array, built from its parts.
+    Build(Box<[ExprId]>),
+    /// Array of equal elements.
+    Repeat(ExprId),
+    /// Composite value with the leaves from `at` on replaced.
+    Replace {
+        /// Composite value.
+        base: ExprId,
+        /// Index of the first leaf.
+        at: u32,
+        /// Replacement.
+        value: ExprId,
+    },
+    /// Elementwise operator with its operands.
+    Each(Each, Box<[ExprId]>),
+    /// `x = y` or `x <> y` on values of any type.
+    Equal {
+        /// Operands.
+        operands: [ExprId; 2],
+        /// Whether the operator is `<>`.
+        negated: bool,
+    },
+    /// `present(x)`
+    Present(ExprId),
+    /// Call of a registered primitive.
+    Prim(Box<PrimCall>),
+    /// Call of a unit.
+    Call(Box<Call>),
+    /// `x when c`
+    When {
+        /// Sampled expression.
+        value: ExprId,
+        /// Clock of the result.
+        clock: ClockOn,
+    },
+    /// `merge c (...)`: exactly one case is present in each cycle.
+    Merge {
+        /// Deciding flow.
+        on: ExprId,
+        /// Cases, each with the value of the deciding flow.
+        cases: Box<[(u32, ExprId)]>,
+    },
+    /// `current x`
+    Current(ExprId),
+}
+
+/// Elementwise operator, implemented by one primitive per value type.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Each {
+    /// `if c then x else y`
+    If,
+    /// `pre x`
+    Pre,
+    /// `last x`, a delay in the block that defines x, not in the state that reads it.
+    Last,
+    /// `x -> y`
+    Arrow,
+    /// `x ?? y`
+    Coalesce,
+    /// `hold(x, init)`
+    Hold,
+}
+
+/// Call of a registered primitive.
+#[derive(Clone, Debug)]
+pub struct PrimCall {
+    /// Called primitive.
+    pub prim: PrimId,
+    /// Arguments of the inputs; none for an open input.
+    pub inputs: Box<[Option<ExprId>]>,
+    /// Values of the parameters; none for a default. Constant once the command's parameters are known.
+    pub params: Box<[Option<ExprId>]>,
+}
+
+/// Call of a unit.
+#[derive(Clone, Debug)]
+pub struct Call {
+    /// Called unit.
+    pub unit: UnitId,
+    /// One argument for each entry of [`Unit::inputs`]; none for a default.
+    pub args: Box<[Option<ExprId>]>,
+    /// Activation of the call.
+    pub activation: Activation,
+}
+
+/// Cycles in which a called unit runs.
+#[derive(Clone, Debug)]
+pub enum Activation {
+    /// In every cycle in which the call is reached.
+    Always,
+    /// While the condition holds. Otherwise the result is that of the last run, or the default before the first run.
+    Condact {
+        /// Condition.
+        every: ExprId,
+        /// Result before the first run.
+        default: Option<ExprId>,
+        /// Condition under which the state restarts.
+        restart: Option<ExprId>,
+    },
+    /// In every cycle. The state restarts when the condition holds.
+    Restart {
+        /// Condition.
+        every: ExprId,
+    },
+}
+
+impl Kind {
+    /// Calls `visit` with every operand.
+    pub fn operands(&self, visit: &mut impl FnMut(ExprId)) {
+        match self {
+            Kind::Fault
+            | Kind::Const(_)
+            | Kind::Literal(_)
+            | Kind::None
+            | Kind::Outside
+            | Kind::Flow(_) => {}
+            Kind::Sensor { device: one, .. }
+            | Kind::Part { base: one, .. }
+            | Kind::Slice { base: one, .. }
+            | Kind::Repeat(one)
+            | Kind::Present(one)
+            | Kind::When { value: one, .. }
+            | Kind::Current(one) => visit(*one),
+            Kind::Select { base, index } => [base, index].into_iter().for_each(|id| visit(*id)),
+            Kind::Replace { base, value, .. } => {
+                [base, value].into_iter().for_each(|id| visit(*id));
+            }
+            Kind::Build(parts) | Kind::Each(_, parts) => parts.iter().for_each(|id| visit(*id)),
+            Kind::Equal { operands, .. } => operands.iter().for_each(|id| visit(*id)),
+            Kind::Prim(call) => {
+                let operands = call.inputs.iter().chain(&call.params);
+                operands.flatten().for_each(|id| visit(*id));
+            }
+            Kind::Call(call) => {
+                call.args.iter().flatten().for_each(|id| visit(*id));
+                call.activation.operands(visit);
+            }
+            Kind::Merge { on, cases } => {
+                visit(*on);
+                cases.iter().for_each(|(_, id)| visit(*id));
+            }
+        }
+    }
+}
+
+impl Activation {
+    /// Returns the result before the first run, if one is given.
+    #[must_use]
+    pub fn default(&self) -> Option<ExprId> {
+        match self {
+            Activation::Condact { default, .. } => *default,
+            Activation::Always | Activation::Restart { .. } => None,
+        }
+    }
+
+    /// Calls `visit` with every operand.
+    pub fn operands(&self, visit: &mut impl FnMut(ExprId)) {
+        match self {
+            Activation::Always => {}
+            Activation::Condact {
+                every,
+                default,
+                restart,
+            } => {
+                visit(*every);
+                default.iter().chain(restart).for_each(|id| visit(*id));
+            }
+            Activation::Restart { every } => visit(*every),
+        }
+    }
+}
