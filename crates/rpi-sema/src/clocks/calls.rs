@@ -1,6 +1,7 @@
 //! Clocks of a callee's ports, translated into the caller's terms: relative to the clock of the call, with the caller's
 //! names for the deciding flows.
 
+use super::canonical_decider;
 use crate::clocks::clock::{Clock, Decider, Tick};
 use crate::clocks::leaf_clocks::Row;
 use crate::clocks::solve::Solver;
@@ -9,11 +10,11 @@ use crate::typed::{BlockId, ExprId, FlowId, Unit, UnitKind};
 
 impl<'u> Solver<'u> {
     /// Returns the clocks of a call's results and records the clock of the call itself.
-    pub(in crate::clocks) fn call(&mut self, id: ExprId, call: &'u Call) -> Row<Clock> {
+    pub(super) fn call(&mut self, id: ExprId, call: &'u Call) -> Row<Clock> {
         let units = self.units;
         let callee = &units[call.unit.0 as usize];
         let mut base = self.base(call, callee);
-        if base == Clock::ANY && self.runs_always(callee) {
+        if base == Clock::ANY && canonical_decider::runs_always(self, callee) {
             base = Clock::BASE;
         }
         self.calls.insert(id, base);
@@ -62,13 +63,7 @@ impl<'u> Solver<'u> {
     }
 
     /// Translates a clock of the callee, given as a path of samplings, into a clock of the caller.
-    pub(in crate::clocks) fn through(
-        &mut self,
-        id: ExprId,
-        call: &Call,
-        path: &[Tick],
-        base: Clock,
-    ) -> Clock {
+    pub(super) fn through(&mut self, id: ExprId, call: &Call, path: &[Tick], base: Clock) -> Clock {
         let Some(tick) = path.last() else {
             return base;
         };
@@ -84,7 +79,8 @@ impl<'u> Solver<'u> {
         let callee = &self.units[call.unit.0 as usize];
         if let Decider::Flow(flow) = by
             && let Some(port) = callee.inputs.iter().position(|input| *input == flow)
-            && let Some(given) = call.args[port].and_then(|arg| self.decider(arg, 0))
+            && let Some(given) =
+                call.args[port].and_then(|arg| canonical_decider::decider(self, arg, 0))
         {
             return Some(given);
         }
@@ -94,7 +90,7 @@ impl<'u> Solver<'u> {
     }
 
     /// Returns the samplings of leaf `k` of a callee's port, in the callee's terms, from its base clock on.
-    pub(in crate::clocks) fn port_path(
+    pub(super) fn port_path(
         &self,
         call: &Call,
         callee: &Unit,
@@ -123,7 +119,7 @@ impl<'u> Solver<'u> {
     }
 
     /// Returns the flows that decide about the clocks of the outputs, each with its own clock.
-    pub(in crate::clocks) fn exposed(&self) -> Vec<(Decider, Clock)> {
+    pub(super) fn exposed(&self) -> Vec<(Decider, Clock)> {
         let mut exposed: Vec<(Decider, Clock)> = Vec::new();
         let rows = self
             .unit

@@ -5,109 +5,107 @@ use crate::clocks::solve::Solver;
 use crate::typed::{Activation, Kind};
 use crate::typed::{ExprId, FlowId, Place, Unit};
 
-impl Solver<'_> {
-    /// Returns the canonical decider for a flow.
-    pub(in crate::clocks) fn name(&mut self, flow: FlowId) -> Decider {
-        if let Some(known) = self.named.get(&flow) {
-            return *known;
-        }
-        let name = self.source(flow, 0).unwrap_or(Decider::Flow(flow));
-        self.named.insert(flow, name);
-        name
+/// Returns the canonical decider for a flow.
+pub(super) fn decider_of(solver: &mut Solver<'_>, flow: FlowId) -> Decider {
+    if let Some(known) = solver.named.get(&flow) {
+        return *known;
     }
+    let name = source(solver, flow, 0).unwrap_or(Decider::Flow(flow));
+    solver.named.insert(flow, name);
+    name
+}
 
-    /// Returns the decider that leaf `k` of an expression stands for; none if the expression computes a new value.
-    pub(in crate::clocks) fn decider(&mut self, id: ExprId, k: usize) -> Option<Decider> {
-        match self.passed_on(id, k)? {
-            Passed::Leaf(flow, 0) if is_scalar(self.unit, flow) => Some(self.name(flow)),
-            Passed::Leaf(flow, k) => self.source(flow, k),
-            Passed::Result(by) => Some(by),
-        }
+/// Returns the decider that leaf `k` of an expression stands for; none if the expression computes a new value.
+pub(super) fn decider(solver: &mut Solver<'_>, id: ExprId, k: usize) -> Option<Decider> {
+    match passed_on(solver, id, k)? {
+        Passed::Leaf(flow, 0) if is_scalar(solver.unit, flow) => Some(decider_of(solver, flow)),
+        Passed::Leaf(flow, k) => source(solver, flow, k),
+        Passed::Result(by) => Some(by),
     }
+}
 
-    /// Returns the flow or call result that leaf `k` of a flow copies, following copies to their source.
-    fn source(&self, flow: FlowId, k: usize) -> Option<Decider> {
-        let (mut at, mut best) = ((flow, k), None);
-        for _ in 0..self.unit.flows.len() {
-            let Some((value, k)) = self.definition(at.0, at.1) else {
-                break;
-            };
-            match self.passed_on(value, k) {
-                Some(Passed::Result(by)) => return Some(by),
-                // In Lustre each name is a clock of its own, so copies are not followed.
-                Some(Passed::Leaf(flow, k)) if !self.unit.is_lustre => {
-                    at = (flow, k);
-                    if is_scalar(self.unit, flow) {
-                        best = Some(Decider::Flow(flow));
-                    }
-                }
-                _ => break,
-            }
-        }
-        best
-    }
-
-    /// Returns the expression and its leaf that define leaf `k` of a flow; none unless exactly one equation defines the
-    /// flow.
-    fn definition(&self, flow: FlowId, k: usize) -> Option<(ExprId, usize)> {
-        let [definition] = self.defined[flow.0 as usize][..] else {
-            return None;
+/// Returns the flow or call result that leaf `k` of a flow copies, following copies to their source.
+fn source(solver: &Solver<'_>, flow: FlowId, k: usize) -> Option<Decider> {
+    let (mut at, mut best) = ((flow, k), None);
+    for _ in 0..solver.unit.flows.len() {
+        let Some((value, k)) = single_definition(solver, at.0, at.1) else {
+            break;
         };
-        let equation = self.equation(definition)?;
-        let mut first = 0;
-        for target in &equation.targets {
-            let count = target.ty.leaf_count();
-            match target.place {
-                Place::Flow { flow: defined, at }
-                    if defined == flow && (at as usize..at as usize + count).contains(&k) =>
-                {
-                    return Some((equation.value, first + k - at as usize));
+        match passed_on(solver, value, k) {
+            Some(Passed::Result(by)) => return Some(by),
+            // In Lustre each name is a clock of its own, so copies are not followed.
+            Some(Passed::Leaf(flow, k)) if !solver.unit.is_lustre => {
+                at = (flow, k);
+                if is_scalar(solver.unit, flow) {
+                    best = Some(Decider::Flow(flow));
                 }
-                _ => first += count,
             }
-        }
-        None
-    }
-
-    /// Returns the source of leaf `k` of an expression if the expression passes that leaf on unchanged.
-    fn passed_on(&self, id: ExprId, k: usize) -> Option<Passed> {
-        let (mut id, mut k) = (id, k);
-        loop {
-            match &self.unit.expr(id).kind {
-                Kind::Flow(flow) => {
-                    return (!self.outside[id.0 as usize]).then_some(Passed::Leaf(*flow, k));
-                }
-                Kind::Part { base, at } => (id, k) = (*base, *at as usize + k),
-                Kind::Build(parts) => {
-                    let mut parts = parts.iter();
-                    id = *parts.find(|part| {
-                        let count = self.unit.expr(**part).ty.leaf_count();
-                        let is_here = k < count;
-                        if !is_here {
-                            k -= count;
-                        }
-                        is_here
-                    })?;
-                }
-                Kind::Call(call) if matches!(call.activation, Activation::Always) => {
-                    let callee = &self.units[call.unit.0 as usize];
-                    let port = port_of(callee, k)?;
-                    let exposed = self.facts[call.unit.0 as usize].clocks.exposed();
-                    let mut exposed = exposed.iter();
-                    let number = exposed.position(|(by, _)| *by == Decider::Flow(port))?;
-                    let by = Decider::Inside(id, u32::try_from(number).ok()?);
-                    return Some(Passed::Result(by));
-                }
-                _ => return None,
-            }
+            _ => break,
         }
     }
+    best
+}
 
-    /// Returns whether a call without a clock runs in all cycles: its callee has state, and the last round of inference
-    /// has begun.
-    pub(in crate::clocks) fn runs_always(&self, callee: &Unit) -> bool {
-        self.is_last_look() && !self.unit.is_lustre && callee.has_state
+/// Returns the expression and its leaf that define leaf `k` of a flow; none unless exactly one equation defines the
+/// flow.
+fn single_definition(solver: &Solver<'_>, flow: FlowId, k: usize) -> Option<(ExprId, usize)> {
+    let [definition] = solver.defined[flow.0 as usize][..] else {
+        return None;
+    };
+    let equation = solver.equation(definition)?;
+    let mut first = 0;
+    for target in &equation.targets {
+        let count = target.ty.leaf_count();
+        match target.place {
+            Place::Flow { flow: defined, at }
+                if defined == flow && (at as usize..at as usize + count).contains(&k) =>
+            {
+                return Some((equation.value, first + k - at as usize));
+            }
+            _ => first += count,
+        }
     }
+    None
+}
+
+/// Returns the source of leaf `k` of an expression if the expression passes that leaf on unchanged.
+fn passed_on(solver: &Solver<'_>, id: ExprId, k: usize) -> Option<Passed> {
+    let (mut id, mut k) = (id, k);
+    loop {
+        match &solver.unit.expr(id).kind {
+            Kind::Flow(flow) => {
+                return (!solver.outside[id.0 as usize]).then_some(Passed::Leaf(*flow, k));
+            }
+            Kind::Part { base, at } => (id, k) = (*base, *at as usize + k),
+            Kind::Build(parts) => {
+                let mut parts = parts.iter();
+                id = *parts.find(|part| {
+                    let count = solver.unit.expr(**part).ty.leaf_count();
+                    let is_here = k < count;
+                    if !is_here {
+                        k -= count;
+                    }
+                    is_here
+                })?;
+            }
+            Kind::Call(call) if matches!(call.activation, Activation::Always) => {
+                let callee = &solver.units[call.unit.0 as usize];
+                let port = port_of(callee, k)?;
+                let exposed = solver.facts[call.unit.0 as usize].clocks.exposed();
+                let mut exposed = exposed.iter();
+                let number = exposed.position(|(by, _)| *by == Decider::Flow(port))?;
+                let by = Decider::Inside(id, u32::try_from(number).ok()?);
+                return Some(Passed::Result(by));
+            }
+            _ => return None,
+        }
+    }
+}
+
+/// Returns whether a call without a clock runs in all cycles: its callee has state, and the last round of inference
+/// has begun.
+pub(super) fn runs_always(solver: &Solver<'_>, callee: &Unit) -> bool {
+    solver.is_last_look() && !solver.unit.is_lustre && callee.has_state
 }
 
 /// Source of a leaf that is passed on unchanged.

@@ -1,6 +1,7 @@
 //! Checks for clock mismatches. The message names both the clock found and the clock expected.
 
 use crate::clocks::clock::Clock;
+use crate::clocks::constants::case_clock;
 use crate::clocks::leaf_clocks::Row;
 use crate::clocks::solve::Solver;
 use crate::clocks::span_set::Covered;
@@ -16,7 +17,7 @@ const SAMPLE_OR_HOLD: &str =
     "sample the faster flow (`x when c`), or hold the slower one (`current x`)";
 
 /// Checks the clocks of a unit and returns the errors.
-pub(in crate::clocks) fn check(solver: &mut Solver<'_>) -> Vec<Finding> {
+pub(super) fn check(solver: &mut Solver<'_>) -> Vec<Finding> {
     let faulty = vec![false; solver.unit.exprs.len()];
     let mut check = Check {
         solver,
@@ -40,8 +41,8 @@ pub(in crate::clocks) fn check(solver: &mut Solver<'_>) -> Vec<Finding> {
     check.findings
 }
 
-pub(in crate::clocks) struct Check<'s, 'u> {
-    pub(in crate::clocks) solver: &'s mut Solver<'u>,
+pub(super) struct Check<'s, 'u> {
+    pub(super) solver: &'s mut Solver<'u>,
     /// For each expression, whether it or one of its operands has been reported. Its readers are then not checked.
     faulty: Vec<bool>,
     findings: Vec<Finding>,
@@ -87,7 +88,7 @@ impl<'u> Check<'_, 'u> {
             Kind::Build(_) => true,
             Kind::When { value, .. } => self.sampled(id, *value),
             Kind::Merge { on, cases } => cases.iter().all(|(value, case)| {
-                let wanted = self.solver.case(*on, *value);
+                let wanted = case_clock(self.solver, *on, *value);
                 wanted.is_none_or(|wanted| self.exact(*case, &Row::All(wanted)))
             }),
             Kind::Current(operand) => {
@@ -274,7 +275,7 @@ impl<'u> Check<'_, 'u> {
         }
     }
 
-    pub(in crate::clocks) fn words(&self, clock: Clock) -> String {
+    pub(super) fn words(&self, clock: Clock) -> String {
         let mut chain = self.solver.chain(clock).unwrap_or_default();
         chain.reverse();
         let ticks = chain
@@ -299,7 +300,7 @@ impl<'u> Check<'_, 'u> {
     }
 
     /// Adds a diagnostic at a place that has no clock diagnostic yet.
-    pub(in crate::clocks) fn add(&mut self, finding: Finding) {
+    pub(super) fn add(&mut self, finding: Finding) {
         if self.reported.insert(finding.span()) {
             self.findings.push(finding);
         }

@@ -25,21 +25,21 @@ pub struct Tick {
 /// Clock of a leaf during inference: any clock, the base clock, or one sampling. The parent of a sampling is the clock
 /// of its decider.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
-pub(in crate::clocks) struct Clock(u32);
+pub(super) struct Clock(u32);
 
 impl Clock {
     /// Clock of a constant, compatible with every clock. Also the initial value during inference.
-    pub(in crate::clocks) const ANY: Clock = Clock(u32::MAX);
+    pub(super) const ANY: Clock = Clock(u32::MAX);
     /// Base clock: all cycles of the unit.
-    pub(in crate::clocks) const BASE: Clock = Clock(0);
+    pub(super) const BASE: Clock = Clock(0);
 
     /// Returns the clock of sampling number `number` of [`Ticks`].
-    pub(in crate::clocks) fn numbered(number: usize) -> Clock {
+    pub(super) fn numbered(number: usize) -> Clock {
         Clock(u32::try_from(number + 1).unwrap_or(u32::MAX - 1))
     }
 
     /// Returns the number of the clock's sampling; none for [`Clock::ANY`] and [`Clock::BASE`].
-    pub(in crate::clocks) fn sampling(self) -> Option<usize> {
+    pub(super) fn sampling(self) -> Option<usize> {
         let sampled = self != Clock::ANY && self != Clock::BASE;
         sampled.then(|| self.0 as usize - 1)
     }
@@ -47,7 +47,7 @@ impl Clock {
 
 /// All samplings of a unit, each stored once.
 #[derive(Debug, Default)]
-pub(in crate::clocks) struct Ticks {
+pub(super) struct Ticks {
     all: Vec<Tick>,
     known: Map<Tick, Clock>,
     deciders: Set<Decider>,
@@ -55,7 +55,7 @@ pub(in crate::clocks) struct Ticks {
 
 impl Ticks {
     /// Returns the clock of a sampling, adding the sampling if it is new.
-    pub(in crate::clocks) fn clock(&mut self, tick: Tick) -> Clock {
+    pub(super) fn clock(&mut self, tick: Tick) -> Clock {
         let next = Clock::numbered(self.all.len());
         let (all, deciders) = (&mut self.all, &mut self.deciders);
         *self.known.entry(tick).or_insert_with(|| {
@@ -66,22 +66,22 @@ impl Ticks {
     }
 
     /// Returns the sampling of a clock; none for [`Clock::ANY`] and [`Clock::BASE`].
-    pub(in crate::clocks) fn tick(&self, clock: Clock) -> Option<Tick> {
+    pub(super) fn tick(&self, clock: Clock) -> Option<Tick> {
         self.all.get(clock.sampling()?).copied()
     }
 
     /// Returns the clock of a sampling that has been added before.
-    pub(in crate::clocks) fn clock_of(&self, tick: Tick) -> Option<Clock> {
+    pub(super) fn clock_of(&self, tick: Tick) -> Option<Clock> {
         self.known.get(&tick).copied()
     }
 
     /// Returns whether a sampling with this decider exists.
-    pub(in crate::clocks) fn has(&self, by: Decider) -> bool {
+    pub(super) fn has(&self, by: Decider) -> bool {
         self.deciders.contains(&by)
     }
 
     /// Number of samplings.
-    pub(in crate::clocks) fn len(&self) -> usize {
+    pub(super) fn len(&self) -> usize {
         self.all.len()
     }
 }

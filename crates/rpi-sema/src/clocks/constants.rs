@@ -1,5 +1,6 @@
 //! Constants take the clock of their readers. In Lustre, so do initialisations of constants.
 
+use super::canonical_decider;
 use crate::clocks::clock::{Clock, Tick};
 use crate::clocks::leaf_clocks::Row;
 use crate::clocks::solve::Solver;
@@ -7,33 +8,31 @@ use crate::facts::Definition;
 use crate::typed::{Call, Each, Kind};
 use crate::typed::{ExprId, Place};
 
-impl<'u> Solver<'u> {
-    /// Gives every expression without a clock the clock of its readers.
-    pub(in crate::clocks) fn place(&mut self) {
-        let mut open = Open(vec![false; self.unit.exprs.len()]);
-        for (k, row) in self.exprs.iter().enumerate() {
-            open.0[k] = row.iter().any(|clock| clock == Clock::ANY);
+/// Gives every expression without a clock the clock of its readers.
+pub(super) fn settle_constants(solver: &mut Solver<'_>) {
+    let mut open = Open(vec![false; solver.unit.exprs.len()]);
+    for (k, row) in solver.exprs.iter().enumerate() {
+        open.0[k] = row.iter().any(|clock| clock == Clock::ANY);
+    }
+    let reached = vec![false; solver.unit.exprs.len()];
+    let mut placing = Placing {
+        solver: solver,
+        open,
+        reached,
+    };
+    placing.equations();
+    // An expression stands after its operands in the table, so in reverse order readers come first.
+    for id in (0..)
+        .map(ExprId)
+        .take(placing.solver.unit.exprs.len())
+        .collect::<Vec<_>>()
+        .into_iter()
+        .rev()
+    {
+        if placing.open.0[id.0 as usize] && !placing.reached[id.0 as usize] {
+            placing.fill(id, &Row::All(Clock::BASE));
         }
-        let reached = vec![false; self.unit.exprs.len()];
-        let mut placing = Placing {
-            solver: self,
-            open,
-            reached,
-        };
-        placing.equations();
-        // An expression stands after its operands in the table, so in reverse order readers come first.
-        for id in (0..)
-            .map(ExprId)
-            .take(placing.solver.unit.exprs.len())
-            .collect::<Vec<_>>()
-            .into_iter()
-            .rev()
-        {
-            if placing.open.0[id.0 as usize] && !placing.reached[id.0 as usize] {
-                placing.fill(id, &Row::All(Clock::BASE));
-            }
-            placing.operands(id);
-        }
+        placing.operands(id);
     }
 }
 
@@ -138,7 +137,7 @@ impl<'u> Placing<'_, 'u> {
             Kind::Merge { on, cases } => {
                 self.fill(*on, &own);
                 for (value, case) in cases {
-                    let clock = self.solver.case(*on, *value).unwrap_or(own.leaf(0));
+                    let clock = case_clock(self.solver, *on, *value).unwrap_or(own.leaf(0));
                     self.fill(*case, &Row::All(clock));
                 }
             }
@@ -173,10 +172,8 @@ impl<'u> Placing<'_, 'u> {
     }
 }
 
-impl Solver<'_> {
-    /// Returns the clock of a case of a `merge`.
-    pub(in crate::clocks) fn case(&mut self, on: ExprId, value: u32) -> Option<Clock> {
-        let by = self.decider(on, 0)?;
-        Some(self.ticks.clock(Tick { by, value }))
-    }
+/// Returns the clock of a case of a `merge`.
+pub(super) fn case_clock(solver: &mut Solver<'_>, on: ExprId, value: u32) -> Option<Clock> {
+    let by = canonical_decider::decider(solver, on, 0)?;
+    Some(solver.ticks.clock(Tick { by, value }))
 }

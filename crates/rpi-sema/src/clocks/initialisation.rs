@@ -9,7 +9,7 @@ use rpi_diag::{Code, Finding, Fix};
 
 impl Check<'_, '_> {
     /// Returns whether both operands of an initialisation have the same clock, leaf by leaf. Reports a mismatch.
-    pub(in crate::clocks) fn mixes_none(&mut self, id: ExprId, sides: [ExprId; 2]) -> bool {
+    pub(super) fn mixes_none(&mut self, id: ExprId, sides: [ExprId; 2]) -> bool {
         let unit = self.solver.unit;
         let count = unit.expr(id).ty.leaf_count();
         let clocks = |k: usize| sides.map(|side| self.solver.leaf(side, k));

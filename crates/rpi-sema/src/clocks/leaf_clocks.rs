@@ -39,7 +39,7 @@ impl<C: Copy + PartialEq> Row<C> {
     }
 
     /// Creates a row from the clocks of successive leaves. A value without leaves gets the clock `otherwise`.
-    pub(in crate::clocks) fn of(leaves: impl Iterator<Item = C>, otherwise: C) -> Row<C> {
+    pub(super) fn of(leaves: impl Iterator<Item = C>, otherwise: C) -> Row<C> {
         let leaves: Vec<C> = leaves.collect();
         match leaves.split_first() {
             None => Row::All(otherwise),
@@ -49,7 +49,7 @@ impl<C: Copy + PartialEq> Row<C> {
     }
 
     /// Returns the row of `count` leaves starting at leaf `at`.
-    pub(in crate::clocks) fn part(&self, at: usize, count: usize) -> Row<C> {
+    pub(super) fn part(&self, at: usize, count: usize) -> Row<C> {
         match self {
             Row::All(clock) => Row::All(*clock),
             Row::Each(leaves) => {
@@ -60,7 +60,7 @@ impl<C: Copy + PartialEq> Row<C> {
     }
 
     /// Returns a row with each clock replaced by `of(clock)`.
-    pub(in crate::clocks) fn map<D: Copy + PartialEq>(&self, of: impl Fn(C) -> D) -> Row<D> {
+    pub(super) fn map<D: Copy + PartialEq>(&self, of: impl Fn(C) -> D) -> Row<D> {
         match self {
             Row::All(clock) => Row::All(of(*clock)),
             Row::Each(leaves) => {

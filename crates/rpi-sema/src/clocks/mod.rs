@@ -25,6 +25,7 @@ pub(crate) mod constants;
 pub(crate) mod inactive_blocks;
 pub(crate) mod initialisation;
 pub(crate) mod leaf_clocks;
+mod rules;
 mod solve;
 pub(crate) mod span_set;
 

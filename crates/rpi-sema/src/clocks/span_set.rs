@@ -6,14 +6,14 @@ use rpi_diag::Span;
 use std::collections::BTreeSet;
 
 /// Set of spans in the source text.
-pub(in crate::clocks) struct Covered {
+pub(super) struct Covered {
     /// Spans in ascending order of their starts. The end of each is the greatest end of all spans before it in the
     /// file.
     spans: Vec<Span>,
 }
 
 impl Covered {
-    pub(in crate::clocks) fn by(places: &BTreeSet<Span>) -> Self {
+    pub(super) fn by(places: &BTreeSet<Span>) -> Self {
         let mut spans: Vec<Span> = places.iter().copied().collect();
         for k in 1..spans.len() {
             if spans[k].file == spans[k - 1].file {
@@ -24,7 +24,7 @@ impl Covered {
     }
 
     /// Returns whether one of the spans contains `place`.
-    pub(in crate::clocks) fn contain(&self, place: Span) -> bool {
+    pub(super) fn contain(&self, place: Span) -> bool {
         let starts = |span: &Span| (span.file, span.start) <= (place.file, place.start);
         let before = self.spans.partition_point(starts);
         let last = self.spans[..before].last();

@@ -14,7 +14,7 @@ use rpi_prims::PrimId;
 use smallvec::smallvec;
 
 /// Returns the input of a port of type `ty` for the given leaves.
-pub(in crate::elab) fn elab_input(
+pub(super) fn elab_input(
     elab: &mut Elab<'_>,
     wire: &[Signal],
     ty: Type,
@@ -28,7 +28,7 @@ pub(in crate::elab) fn elab_input(
     }
 }
 
-pub(in crate::elab) fn one_input(
+pub(super) fn one_input(
     elab: &mut Elab<'_>,
     signal: &Signal,
     scalar: Scalar,
@@ -47,7 +47,7 @@ pub(in crate::elab) fn one_input(
 }
 
 /// Adds a flow that is never present.
-pub(in crate::elab) fn absent_leaves(
+pub(super) fn absent_leaves(
     elab: &mut Elab<'_>,
     scalar: Scalar,
     at: At,
@@ -70,12 +70,7 @@ pub(in crate::elab) fn absent_leaves(
 }
 
 /// Returns the port of one element of an array port. The element is extracted once, in the fragment of the array.
-pub(in crate::elab) fn elab_element(
-    elab: &mut Elab<'_>,
-    array: PortRef,
-    k: u32,
-    span: Span,
-) -> PortRef {
+pub(super) fn elab_element(elab: &mut Elab<'_>, array: PortRef, k: u32, span: Span) -> PortRef {
     if let Some(port) = elab.elements.get(&(array, k)) {
         return *port;
     }
@@ -131,7 +126,7 @@ fn array_input(elab: &mut Elab<'_>, wire: &[Signal], ty: Type, at: At, span: Spa
 }
 
 /// Returns an array whose leaves are resolved.
-pub(in crate::elab) fn resolved_array(
+pub(super) fn resolved_array(
     elab: &mut Elab<'_>,
     wire: &[Signal],
     ty: Type,
@@ -213,7 +208,7 @@ fn build_array(
 }
 
 /// Returns the port of a signal, for inputs that accept only ports.
-pub(in crate::elab) fn port_of(
+pub(super) fn port_of(
     elab: &mut Elab<'_>,
     signal: &Signal,
     scalar: Scalar,
@@ -281,7 +276,7 @@ fn place(ty: Type, k: u32) -> Vec<(&'static str, u32)> {
 }
 
 /// Returns the type of a port that takes `leaves` leaves. A matrix of unknown shape gets one row.
-pub(in crate::elab) fn natural(port: PortType, leaves: usize) -> Type {
+pub(super) fn natural(port: PortType, leaves: usize) -> Type {
     let n = u32::try_from(leaves).unwrap_or(u32::MAX);
     match port {
         PortType::One(scalar) => Type::One(scalar),

@@ -39,7 +39,7 @@ struct Choice<'u, 's> {
 }
 
 /// Elaborates an automaton in the fragment at `at`.
-pub(in crate::elab) fn elab_automaton<'u>(
+pub(super) fn elab_automaton<'u>(
     elab: &mut Elab<'u>,
     scope: &mut Scope<'u>,
     automaton: &'u Automaton,

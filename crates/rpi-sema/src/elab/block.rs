@@ -29,7 +29,7 @@ fn stays(unit: &Unit, equation: &Equation) -> bool {
 }
 
 /// Elaborates all blocks of a unit. A block comes after its parent.
-pub(in crate::elab) fn body<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>, at: At) {
+pub(super) fn body<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>, at: At) {
     scope.fragments[0] = Some(at.fragment);
     for block in (0..scope.unit.blocks.len())
         .filter_map(|k| u32::try_from(k).ok())
@@ -126,7 +126,7 @@ fn elab_block_content<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>, block: Blo
 }
 
 /// Sets the flow after which the following nodes are named.
-pub(in crate::elab) fn set_node_name(elab: &mut Elab<'_>, name: &str) {
+pub(super) fn set_node_name(elab: &mut Elab<'_>, name: &str) {
     name.clone_into(&mut elab.name);
     elab.serial = 0;
     elab.top = None;
@@ -194,13 +194,7 @@ fn name_results(elab: &mut Elab<'_>, path: &str, equation: &Equation, wire: &Wir
 }
 
 /// Names the nodes with index `before` or greater that compute the leaves of a wire after these leaves.
-pub(in crate::elab) fn name_leaves(
-    elab: &mut Elab<'_>,
-    path: &str,
-    ty: &Ty,
-    wire: &Wire,
-    before: usize,
-) {
+pub(super) fn name_leaves(elab: &mut Elab<'_>, path: &str, ty: &Ty, wire: &Wire, before: usize) {
     let mut leaves = wire.iter();
     ty.leaves(&mut |suffix, _| {
         if let Some(Signal::Port(port)) = leaves.next() {

@@ -26,22 +26,22 @@ use rpi_net::{self as net, Absent, Fragment, FragmentId, Origin, PortRef, Restar
 /// A call that does not run in all cycles.
 pub(crate) struct Run {
     /// Condition under which the call runs.
-    pub(in crate::elab) every: Signal,
+    pub(super) every: Signal,
     /// Results of the call when it runs, and their defaults before its first run.
-    pub(in crate::elab) result: Wire,
-    pub(in crate::elab) default: Option<Wire>,
+    pub(super) result: Wire,
+    pub(super) default: Option<Wire>,
     /// For each leaf of the results, whether it may be absent when the call runs.
-    pub(in crate::elab) optional: Vec<bool>,
+    pub(super) optional: Vec<bool>,
 }
 
 /// Argument of a call: its wire and its span.
-pub(in crate::elab) struct Arg {
+pub(super) struct Arg {
     wire: Wire,
     span: Span,
 }
 
 /// Elaborates a call expression according to its activation.
-pub(in crate::elab) fn elab_call<'u>(
+pub(super) fn elab_call<'u>(
     elab: &mut Elab<'u>,
     scope: &mut Scope<'u>,
     call: &'u Call,
@@ -165,7 +165,7 @@ fn elab_path(elab: &mut Elab<'_>, id: ExprId) -> String {
 }
 
 /// Returns the activation by a condition; `Always` for the constant `true`.
-pub(in crate::elab) fn elab_activation(
+pub(super) fn elab_activation(
     elab: &mut Elab<'_>,
     condition: &Signal,
     at: At,
@@ -184,7 +184,7 @@ pub(in crate::elab) fn elab_activation(
 }
 
 /// Adds a fragment to the net.
-pub(in crate::elab) fn elab_fragment(
+pub(super) fn elab_fragment(
     elab: &mut Elab<'_>,
     path: &str,
     parent: FragmentId,
@@ -209,7 +209,7 @@ pub(in crate::elab) fn elab_fragment(
 }
 
 /// Inlines a unit with its inputs connected and returns its outputs.
-pub(in crate::elab) fn inline_unit(
+pub(super) fn inline_unit(
     elab: &mut Elab<'_>,
     id: UnitId,
     args: &[Option<Arg>],
@@ -332,7 +332,7 @@ fn fragment_of_unit<'u>(
 }
 
 /// Connects a unit's inputs to the arguments of the caller, or to their defaults.
-pub(in crate::elab) fn connect<'u>(
+pub(super) fn connect<'u>(
     elab: &mut Elab<'u>,
     scope: &mut Scope<'u>,
     args: &[Option<Arg>],
@@ -364,7 +364,7 @@ fn report_too_deep(elab: &mut Elab<'_>, id: UnitId, span: Span) -> Wire {
 }
 
 /// Reports an error that prevents the net or constant. Only the first one is kept.
-pub(in crate::elab) fn report_failure(elab: &mut Elab<'_>, finding: Finding, span: Span) -> Wire {
+pub(super) fn report_failure(elab: &mut Elab<'_>, finding: Finding, span: Span) -> Wire {
     if elab.mode == Mode::Constant {
         return elab.fail(NotConstant::Fault(span, finding.message));
     }
@@ -375,7 +375,7 @@ pub(in crate::elab) fn report_failure(elab: &mut Elab<'_>, finding: Finding, spa
 }
 
 /// Binds an alias to its signal, unless it is bound already.
-pub(in crate::elab) fn bind_alias(elab: &mut Elab<'_>, port: PortRef, signal: &Signal) {
+pub(super) fn bind_alias(elab: &mut Elab<'_>, port: PortRef, signal: &Signal) {
     if let Some(alias) = crate::elab::signal::alias_of(port) {
         elab.aliases[alias].get_or_insert_with(|| signal.clone());
     }

@@ -46,7 +46,7 @@ impl Claims {
 }
 
 /// Elaborates a claim of a body or contract.
-pub(in crate::elab) fn elab_claim<'u>(
+pub(super) fn elab_claim<'u>(
     elab: &mut Elab<'u>,
     scope: &mut Scope<'u>,
     block: BlockId,

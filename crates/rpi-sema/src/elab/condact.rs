@@ -16,7 +16,7 @@ use rpi_diag::Span;
 use rpi_image::Scalar;
 use rpi_net::{FragmentId, Restart};
 
-pub(crate) fn condact_fragment<'u>(
+pub(super) fn condact_fragment<'u>(
     elab: &mut Elab<'u>,
     scope: &mut Scope<'u>,
     every: &Signal,
@@ -34,7 +34,7 @@ pub(crate) fn condact_fragment<'u>(
 }
 
 /// Returns the results of a call that does not run in all cycles: those of this cycle, or those of its last run.
-pub(crate) fn hold_results<'u>(
+pub(super) fn hold_results<'u>(
     elab: &mut Elab<'u>,
     run: &Run,
     id: ExprId,

@@ -11,7 +11,7 @@ use rpi_net::{Choice, Exit, Exits, FragmentId, Net, Side};
 
 /// Makes the names of fragments and nodes unique within their parent. A test finds them in the image by name, and
 /// repeated calls or several automata in one body produce equal names.
-pub(in crate::elab) fn tell_apart(net: &mut Net) {
+pub(super) fn tell_apart(net: &mut Net) {
     let mut known = Known::default();
     for fragment in net.fragments.iter_mut().skip(1) {
         let parent = fragment.parent.unwrap_or(FragmentId::ROOT);
@@ -38,14 +38,14 @@ fn own_name(name: &mut String, inside: FragmentId, known: &mut Known) {
 }
 
 /// Records that a unit is called.
-pub(in crate::elab) fn record_call(elab: &mut Elab<'_>, unit: &Unit) {
+pub(super) fn record_call(elab: &mut Elab<'_>, unit: &Unit) {
     if elab.tells_landmarks {
         elab.net.landmarks.called.push(unit.span);
     }
 }
 
 /// Records a choice and returns its branches, the one for `true` first.
-pub(in crate::elab) fn record_choice(
+pub(super) fn record_choice(
     elab: &mut Elab<'_>,
     condition: &Signal,
     at: At,
@@ -67,7 +67,7 @@ pub(in crate::elab) fn record_choice(
 }
 
 /// Records the transitions out of a state. `exits` has the last transition first.
-pub(in crate::elab) fn record_transitions(
+pub(super) fn record_transitions(
     elab: &mut Elab<'_>,
     here: &Signal,
     exits: Vec<(Signal, Span)>,

@@ -12,7 +12,7 @@ use rpi_image::{Scalar, Type};
 use rpi_net::{Input, PortRef};
 
 /// Array that is packed at the end of the elaboration.
-pub(in crate::elab) struct Promise {
+pub(super) struct Promise {
     alias: PortRef,
     wire: Wire,
     ty: Type,
@@ -21,7 +21,7 @@ pub(in crate::elab) struct Promise {
 }
 
 /// Defers an array of these leaves and returns the alias of the whole array.
-pub(in crate::elab) fn defer_array(
+pub(super) fn defer_array(
     elab: &mut Elab<'_>,
     wire: Wire,
     ty: Type,
@@ -41,13 +41,13 @@ pub(in crate::elab) fn defer_array(
 }
 
 /// Returns the type of a deferred array.
-pub(in crate::elab) fn deferred_type(elab: &Elab<'_>, alias: PortRef) -> Option<Type> {
+pub(super) fn deferred_type(elab: &Elab<'_>, alias: PortRef) -> Option<Type> {
     let at = elab.promises.binary_search_by_key(&alias, |p| p.alias);
     at.ok().map(|at| elab.promises[at].ty)
 }
 
 /// Packs all deferred arrays. The aliases of their leaves must be resolved.
-pub(in crate::elab) fn pack_deferred_arrays(elab: &mut Elab<'_>) {
+pub(super) fn pack_deferred_arrays(elab: &mut Elab<'_>) {
     for promise in std::mem::take(&mut elab.promises) {
         let leaf = |signal: &Signal| resolved_leaf(elab, signal);
         let wire: Wire = promise.wire.iter().map(leaf).collect();

@@ -20,7 +20,7 @@ use rpi_prims::PrimId;
 
 /// Elaborates a read of a sensor or status port. Each port is read once, at the start of the cycle, independently
 /// of activations.
-pub(in crate::elab) fn sensor<'u>(
+pub(super) fn sensor<'u>(
     elab: &mut Elab<'u>,
     scope: &mut Scope<'u>,
     device: ExprId,
@@ -117,7 +117,7 @@ fn device_name(elab: &Elab<'_>, signal: &Signal) -> Option<String> {
 }
 
 /// Elaborates a write of a set-point to an actuator port, leaf by leaf.
-pub(in crate::elab) fn write<'u>(
+pub(super) fn write<'u>(
     elab: &mut Elab<'u>,
     scope: &mut Scope<'u>,
     device: FlowId,

@@ -23,7 +23,7 @@ use rpi_net::prim;
 use rpi_net::{FragmentId, Input, PortRef, Types};
 use smallvec::smallvec;
 
-pub(in crate::elab) fn elementwise<'u>(
+pub(super) fn elementwise<'u>(
     elab: &mut Elab<'u>,
     scope: &mut Scope<'u>,
     each: Each,
@@ -225,12 +225,7 @@ fn elab_guards<'u>(
 }
 
 /// Returns the position `at` with the additional guard `condition`.
-pub(in crate::elab) fn with_guard(
-    elab: &mut Elab<'_>,
-    condition: Signal,
-    at: At,
-    span: Span,
-) -> At {
+pub(super) fn with_guard(elab: &mut Elab<'_>, condition: Signal, at: At, span: Span) -> At {
     let here = match at.guard {
         Some(outer) => nodes::add_simple(
             elab,
@@ -303,7 +298,7 @@ fn delay_leaves<'u>(
 }
 
 /// Adds one delay node.
-pub(in crate::elab) fn delay(
+pub(super) fn delay(
     elab: &mut Elab<'_>,
     family: Family,
     scalar: Scalar,
@@ -376,7 +371,7 @@ fn arrow<'u>(
 }
 
 /// Returns which leaves of an expression can be absent.
-pub(in crate::elab) fn elab_absence<'u>(
+pub(super) fn elab_absence<'u>(
     elab: &Elab<'u>,
     scope: &Scope<'u>,
     id: ExprId,
@@ -386,7 +381,7 @@ pub(in crate::elab) fn elab_absence<'u>(
 }
 
 /// Returns the constant value of a signal, following one alias.
-pub(in crate::elab) fn constant_value(elab: &Elab<'_>, signal: &Signal) -> Option<Value> {
+pub(super) fn constant_value(elab: &Elab<'_>, signal: &Signal) -> Option<Value> {
     match signal {
         Signal::Const(value) => Some(value.clone()),
         Signal::Port(port) => {
@@ -401,7 +396,7 @@ pub(in crate::elab) fn constant_value(elab: &Elab<'_>, signal: &Signal) -> Optio
 }
 
 /// Returns the wire of an expression expanded to `count` leaves. A bare `none` has a single leaf and is repeated.
-pub(in crate::elab) fn expr_leaves<'u>(
+pub(super) fn expr_leaves<'u>(
     elab: &mut Elab<'u>,
     scope: &mut Scope<'u>,
     id: ExprId,
@@ -416,7 +411,7 @@ pub(in crate::elab) fn expr_leaves<'u>(
 }
 
 /// Returns whether an expression reads flows in the current cycle, that is outside a delay.
-pub(in crate::elab) fn reads_flows(unit: &Unit, id: ExprId) -> bool {
+pub(super) fn reads_flows(unit: &Unit, id: ExprId) -> bool {
     let mut parts = unit.parts(id);
     while let Some((id, expr)) = parts.next() {
         match &expr.kind {

@@ -42,7 +42,7 @@ fn first_operand(scope: &Scope<'_>, id: ExprId) -> Option<ExprId> {
 }
 
 /// Returns the wire of an expression, elaborating it on first use.
-pub(in crate::elab) fn elab_expr<'u>(
+pub(super) fn elab_expr<'u>(
     elab: &mut Elab<'u>,
     scope: &mut Scope<'u>,
     id: ExprId,
@@ -166,7 +166,7 @@ fn build<'u>(
 }
 
 /// Returns the condition of a block as one signal, defined in all cycles of the block.
-pub(in crate::elab) fn elab_condition<'u>(
+pub(super) fn elab_condition<'u>(
     elab: &mut Elab<'u>,
     scope: &mut Scope<'u>,
     id: ExprId,
@@ -177,7 +177,7 @@ pub(in crate::elab) fn elab_condition<'u>(
 }
 
 /// Returns an operand as one signal.
-pub(in crate::elab) fn elab_operand<'u>(
+pub(super) fn elab_operand<'u>(
     elab: &mut Elab<'u>,
     scope: &mut Scope<'u>,
     pair: [ExprId; 2],
@@ -289,13 +289,13 @@ fn check_index(elab: &mut Elab<'_>, index: &Signal, count: usize, at: At, span: 
 }
 
 /// Returns whether code ruled out by a constant is left out. `reads`: whether that code reads flows.
-pub(in crate::elab) fn drops_dead_code(elab: &mut Elab<'_>, reads: bool) -> bool {
+pub(super) fn drops_dead_code(elab: &mut Elab<'_>, reads: bool) -> bool {
     elab.leaves_out |= reads;
     !reads || matches!(elab.mode, Mode::Net | Mode::Constant)
 }
 
 /// Returns `count` leaves of a wire starting at `at`.
-pub(in crate::elab) fn part(wire: &Wire, at: usize, count: usize) -> Wire {
+pub(super) fn part(wire: &Wire, at: usize, count: usize) -> Wire {
     match wire.get(at..at.saturating_add(count)) {
         Some(leaves) if leaves.len() == wire.len() => wire.clone(),
         Some(leaves) => leaves.into(),
@@ -304,10 +304,10 @@ pub(in crate::elab) fn part(wire: &Wire, at: usize, count: usize) -> Wire {
 }
 
 /// Machine types of the leaves of a type.
-pub(in crate::elab) type Scalars = SmallVec<[Scalar; 4]>;
+pub(super) type Scalars = SmallVec<[Scalar; 4]>;
 
 /// Returns the machine types of a type's leaves.
-pub(in crate::elab) fn leaf_scalars(ty: &crate::ty::Ty) -> Scalars {
+pub(super) fn leaf_scalars(ty: &crate::ty::Ty) -> Scalars {
     let mut scalars = Scalars::new();
     ty.leaves(&mut |_, leaf| scalars.push(leaf.scalar().unwrap_or(Scalar::Bool)));
     scalars

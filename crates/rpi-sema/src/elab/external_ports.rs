@@ -25,7 +25,7 @@ use rpi_net::{ExportPort, Given, Origin};
 
 /// Elaborates the inputs of a node on its own and the values that a command takes over. They are set from outside
 /// by key.
-pub(crate) fn unit_inputs<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>) -> Vec<PortShape> {
+pub(super) fn unit_inputs<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>) -> Vec<PortShape> {
     let unit = scope.unit;
     let mut shapes = Vec::new();
     for flow in unit
@@ -114,12 +114,7 @@ fn or_default(
 }
 
 /// Elaborates a value that the program leaves open as an external input.
-pub(in crate::elab) fn open_value<'u>(
-    elab: &mut Elab<'u>,
-    scope: &Scope<'u>,
-    id: ExprId,
-    at: At,
-) -> Wire {
+pub(super) fn open_value<'u>(elab: &mut Elab<'u>, scope: &Scope<'u>, id: ExprId, at: At) -> Wire {
     let expr = scope.unit.expr(id);
     if elab.mode == Mode::Constant {
         return elab.fail(NotConstant::Flow(expr.span));
@@ -143,7 +138,7 @@ pub(in crate::elab) fn open_value<'u>(
     signals.collect()
 }
 
-pub(crate) fn external_input(
+pub(super) fn external_input(
     elab: &mut Elab<'_>,
     key: &str,
     scalar: Scalar,
@@ -179,7 +174,7 @@ fn external_input_at(
 }
 
 /// Exports the outputs of a node on its own.
-pub(crate) fn unit_outputs<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>) -> Vec<PortShape> {
+pub(super) fn unit_outputs<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>) -> Vec<PortShape> {
     let unit = scope.unit;
     let mut shapes = Vec::new();
     for flow in &unit.outputs {
@@ -201,7 +196,7 @@ pub(crate) fn unit_outputs<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>) -> Ve
     shapes
 }
 
-pub(in crate::elab) fn elab_export(
+pub(super) fn elab_export(
     elab: &mut Elab<'_>,
     key: &str,
     signal: &Signal,
@@ -214,7 +209,7 @@ pub(in crate::elab) fn elab_export(
 
 /// Returns the port that exports a flow. A constant is exported in the cycles in which the fragment of `at` is
 /// active.
-pub(in crate::elab) fn export_port(
+pub(super) fn export_port(
     elab: &mut Elab<'_>,
     key: &str,
     signal: &Signal,
@@ -235,7 +230,7 @@ pub(in crate::elab) fn export_port(
 }
 
 /// Exports the local flows, qualified by the names of their blocks.
-pub(crate) fn elab_locals<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>) -> Vec<PortShape> {
+pub(super) fn elab_locals<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>) -> Vec<PortShape> {
     let unit = scope.unit;
     let mut shapes = Vec::new();
     for id in (0..).map(FlowId).take(unit.flows.len()) {
@@ -269,7 +264,7 @@ pub(crate) fn elab_locals<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>) -> Vec
     shapes
 }
 
-pub(crate) fn exports<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>) {
+pub(super) fn exports<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>) {
     let unit = scope.unit;
     for (k, block) in unit.blocks.iter().enumerate() {
         let fragment = scope.fragments[k].unwrap_or(rpi_net::FragmentId::ROOT);

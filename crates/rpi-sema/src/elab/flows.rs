@@ -15,7 +15,7 @@ use rpi_diag::Span;
 use rpi_net::PortRef;
 
 /// Returns the wire of a flow; aliases if its equation has not been elaborated yet.
-pub(in crate::elab) fn elab_flow<'u>(
+pub(super) fn elab_flow<'u>(
     elab: &mut Elab<'u>,
     scope: &mut Scope<'u>,
     flow: FlowId,
@@ -36,7 +36,7 @@ pub(in crate::elab) fn elab_flow<'u>(
     }
 }
 
-pub(in crate::elab) fn alias_wire(elab: &mut Elab<'_>, ty: &Ty, span: Span) -> Wire {
+pub(super) fn alias_wire(elab: &mut Elab<'_>, ty: &Ty, span: Span) -> Wire {
     if !node_budget::charge_leaves(elab, ty.leaf_count(), span) {
         return nothing();
     }
@@ -69,7 +69,7 @@ fn constant_flow<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>, flow: FlowId, s
 }
 
 /// Defines the targets of an equation by the leaves of its value.
-pub(in crate::elab) fn define_all<'u>(
+pub(super) fn define_all<'u>(
     elab: &mut Elab<'u>,
     scope: &mut Scope<'u>,
     equation: &Equation,
@@ -91,7 +91,7 @@ pub(in crate::elab) fn define_all<'u>(
 }
 
 /// Defines leaves of a flow, from `at` on, by their signals.
-pub(in crate::elab) fn define<'u>(
+pub(super) fn define<'u>(
     elab: &mut Elab<'u>,
     scope: &mut Scope<'u>,
     flow: FlowId,

@@ -15,7 +15,7 @@ use rpi_diag::Span;
 use rpi_net::FragmentId;
 
 /// Passes the inputs of a called fragment through entry aliases.
-pub(in crate::elab) fn add_input_entries<'u>(
+pub(super) fn add_input_entries<'u>(
     elab: &mut Elab<'u>,
     scope: &mut Scope<'u>,
     fragment: FragmentId,
@@ -29,7 +29,7 @@ pub(in crate::elab) fn add_input_entries<'u>(
 }
 
 /// Returns a flow of an enclosing block as read in a block in place.
-pub(in crate::elab) fn read_inside<'u>(
+pub(super) fn read_inside<'u>(
     elab: &mut Elab<'u>,
     scope: &Scope<'u>,
     block: BlockId,
@@ -76,7 +76,7 @@ fn new_entry(elab: &mut Elab<'_>, known: usize, signal: &Signal, fragment: Fragm
 
 /// Returns the signal of a resolved entry alias: a copy node outside the fragment if the fragment itself computes
 /// the signal.
-pub(in crate::elab) fn resolve_entry(elab: &mut Elab<'_>, alias: usize, signal: Signal) -> Signal {
+pub(super) fn resolve_entry(elab: &mut Elab<'_>, alias: usize, signal: Signal) -> Signal {
     let Some(&fragment) = elab.entries.get(&alias) else {
         return signal;
     };

@@ -19,7 +19,7 @@ use rpi_image::{Scalar, Type};
 use rpi_net::{Activation, FragmentId, PortRef};
 
 /// Leaf that is read outside a block whose fragment does not exist yet.
-pub(in crate::elab) struct Leaving {
+pub(super) struct Leaving {
     alias: usize,
     block: BlockId,
     reader: FragmentId,
@@ -27,7 +27,7 @@ pub(in crate::elab) struct Leaving {
 
 /// Returns the wire of a flow for a reader in its unit. A reader outside a block that may be inactive sees an
 /// optional flow.
-pub(in crate::elab) fn read_flow<'u>(
+pub(super) fn read_flow<'u>(
     elab: &mut Elab<'u>,
     scope: &mut Scope<'u>,
     (flow, is_outside): (FlowId, bool),
@@ -92,7 +92,7 @@ fn flow_for_reader<'u>(
 }
 
 /// Returns the leaves of fragment `from` for a reader in fragment `reader`.
-pub(in crate::elab) fn gate_wire(
+pub(super) fn gate_wire(
     elab: &mut Elab<'_>,
     wire: &Wire,
     from: FragmentId,
@@ -112,7 +112,7 @@ pub(in crate::elab) fn gate_wire(
 }
 
 /// Assigns the pending leaves to their fragments, which all exist now.
-pub(in crate::elab) fn assign_pending_gates<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>) {
+pub(super) fn assign_pending_gates<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>) {
     for leaf in std::mem::take(&mut scope.leaving) {
         let from = scope.fragment(leaf.block);
         if let Some(from) = from.filter(|from| is_gated(elab, *from, leaf.reader)) {
@@ -149,7 +149,7 @@ fn is_gated(elab: &Elab<'_>, from: FragmentId, reader: FragmentId) -> bool {
 
 /// Returns the signal of a resolved gate alias: a node in the fragment if the signal is a constant or computed
 /// elsewhere.
-pub(in crate::elab) fn resolve_gate(elab: &mut Elab<'_>, alias: usize, signal: Signal) -> Signal {
+pub(super) fn resolve_gate(elab: &mut Elab<'_>, alias: usize, signal: Signal) -> Signal {
     let Some(&from) = elab.gates.get(&alias) else {
         return signal;
     };
@@ -166,11 +166,7 @@ pub(in crate::elab) fn resolve_gate(elab: &mut Elab<'_>, alias: usize, signal: S
     }
 }
 
-pub(in crate::elab) fn is_computed_in(
-    elab: &Elab<'_>,
-    port: PortRef,
-    fragment: FragmentId,
-) -> bool {
+pub(super) fn is_computed_in(elab: &Elab<'_>, port: PortRef, fragment: FragmentId) -> bool {
     let maker = elab.net.node(port.node).fragment;
     elab.net.enclosing(maker).any(|f| f == fragment)
 }

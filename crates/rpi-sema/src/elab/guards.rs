@@ -28,7 +28,7 @@ const TWINS: &[(&str, &str)] = &[
 ];
 
 /// Returns the guarded variant of a primitive.
-pub(in crate::elab) fn twin(prim: PrimId) -> Option<PrimId> {
+pub(super) fn twin(prim: PrimId) -> Option<PrimId> {
     let desc = prim.desc();
     let row = TWINS
         .iter()
@@ -38,7 +38,7 @@ pub(in crate::elab) fn twin(prim: PrimId) -> Option<PrimId> {
 
 /// Properties of an expression including its operands.
 #[derive(Clone, Copy, Default)]
-pub(in crate::elab) struct Within {
+pub(super) struct Within {
     /// Whether the expression contains an operation that can fault and can be guarded.
     can_fault: bool,
     /// Whether the expression contains state, which runs in all cycles.
@@ -46,7 +46,7 @@ pub(in crate::elab) struct Within {
 }
 
 /// Properties of a unit and of its expressions.
-pub(in crate::elab) struct WithinUnit {
+pub(super) struct WithinUnit {
     /// Properties of each expression of the unit.
     exprs: Vec<Within>,
     /// Whether the unit can fault, or has a claim.
@@ -56,30 +56,22 @@ pub(in crate::elab) struct WithinUnit {
 }
 
 /// Returns whether an expression contains an operation that can fault and can be guarded.
-pub(in crate::elab) fn elab_can_fault<'u>(
-    elab: &mut Elab<'u>,
-    scope: &Scope<'u>,
-    id: ExprId,
-) -> bool {
+pub(super) fn elab_can_fault<'u>(elab: &mut Elab<'u>, scope: &Scope<'u>, id: ExprId) -> bool {
     expr_properties(elab, scope, id).can_fault
 }
 
 /// Returns whether an expression contains state, which runs in all cycles.
-pub(in crate::elab) fn contains_state<'u>(
-    elab: &mut Elab<'u>,
-    scope: &Scope<'u>,
-    id: ExprId,
-) -> bool {
+pub(super) fn contains_state<'u>(elab: &mut Elab<'u>, scope: &Scope<'u>, id: ExprId) -> bool {
     expr_properties(elab, scope, id).goes_on
 }
 
 /// Returns whether a call is guarded as a whole.
-pub(in crate::elab) fn is_guarded(elab: &mut Elab<'_>, call: &Call) -> bool {
+pub(super) fn is_guarded(elab: &mut Elab<'_>, call: &Call) -> bool {
     matches!(call.activation, Activation::Always) && is_stateless_expr(elab, call.unit)
 }
 
 /// Returns whether a unit has no state.
-pub(in crate::elab) fn is_stateless_expr(elab: &mut Elab<'_>, unit: UnitId) -> bool {
+pub(super) fn is_stateless_expr(elab: &mut Elab<'_>, unit: UnitId) -> bool {
     match elab.units[unit.0 as usize].kind {
         UnitKind::Function => true,
         UnitKind::Node => unit_properties(elab, unit).is_stateless,
@@ -187,7 +179,7 @@ fn own_properties(elab: &Elab<'_>, expr: &Expr) -> Within {
 }
 
 /// Returns whether a primitive has state. Access to a device counts as state.
-pub(in crate::elab) fn has_state(call: &PrimCall) -> bool {
+pub(super) fn has_state(call: &PrimCall) -> bool {
     let desc = call.prim.desc();
     !matches!(desc.state, rpi_image::State::None)
         || matches!(desc.role, Role::Delay | Role::Actuator(_) | Role::Export)

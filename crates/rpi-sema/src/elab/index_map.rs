@@ -3,7 +3,7 @@
 use crate::hash::Map;
 
 /// A value for each index. Values that were never set are `T::default()`.
-pub(in crate::elab) enum Slots<T> {
+pub(super) enum Slots<T> {
     /// Full table, for a scope that visits most indices.
     All(Vec<T>),
     /// Sparse map for a constant, which visits few indices. A full table for each constant would take quadratic time in
@@ -12,22 +12,22 @@ pub(in crate::elab) enum Slots<T> {
 }
 
 impl<T: Default + Clone> Slots<T> {
-    pub(in crate::elab) fn all(count: usize) -> Slots<T> {
+    pub(super) fn all(count: usize) -> Slots<T> {
         Slots::All(vec![T::default(); count])
     }
 
-    pub(in crate::elab) fn few() -> Slots<T> {
+    pub(super) fn few() -> Slots<T> {
         Slots::Few(Map::default())
     }
 
-    pub(in crate::elab) fn get(&self, number: u32) -> Option<&T> {
+    pub(super) fn get(&self, number: u32) -> Option<&T> {
         match self {
             Slots::All(all) => all.get(number as usize),
             Slots::Few(few) => few.get(&number),
         }
     }
 
-    pub(in crate::elab) fn slot(&mut self, number: u32) -> &mut T {
+    pub(super) fn slot(&mut self, number: u32) -> &mut T {
         match self {
             Slots::All(all) => &mut all[number as usize],
             Slots::Few(few) => few.entry(number).or_default(),

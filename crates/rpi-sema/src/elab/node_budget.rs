@@ -22,15 +22,15 @@ const LEAVES: usize = 8;
 const LETTERS: usize = 256;
 
 /// Remaining budget of a net or constant.
-pub(in crate::elab) struct Allowance {
+pub(super) struct Allowance {
     left: usize,
     /// Units whose text has been counted.
     paid: Set<UnitId>,
-    pub(in crate::elab) is_used_up: bool,
+    pub(super) is_used_up: bool,
 }
 
 impl Allowance {
-    pub(in crate::elab) fn new() -> Allowance {
+    pub(super) fn new() -> Allowance {
         Allowance {
             left: FREE,
             paid: Set::default(),
@@ -46,24 +46,24 @@ impl Allowance {
 }
 
 /// Adds the text of a unit to the budget, the first time the unit is expanded.
-pub(in crate::elab) fn credit_text(elab: &mut Elab<'_>, id: UnitId) {
+pub(super) fn credit_text(elab: &mut Elab<'_>, id: UnitId) {
     if elab.allowance.paid.insert(id) {
         elab.allowance.left += PER_BYTE * length(&elab.units[id.0 as usize]);
     }
 }
 
 /// Returns whether one more call can be expanded. Reports the first excess.
-pub(in crate::elab) fn charge_call(elab: &mut Elab<'_>, span: Span) -> bool {
+pub(super) fn charge_call(elab: &mut Elab<'_>, span: Span) -> bool {
     charge(elab, 1, span)
 }
 
 /// Returns whether one more node of this name can be added. Reports the first excess.
-pub(in crate::elab) fn charge_node(elab: &mut Elab<'_>, name: &str, span: Span) -> bool {
+pub(super) fn charge_node(elab: &mut Elab<'_>, name: &str, span: Span) -> bool {
     charge(elab, 1 + name.len() / LETTERS, span)
 }
 
 /// Returns whether a value with this many leaves can be built. Reports the first excess.
-pub(in crate::elab) fn charge_leaves(elab: &mut Elab<'_>, leaves: usize, span: Span) -> bool {
+pub(super) fn charge_leaves(elab: &mut Elab<'_>, leaves: usize, span: Span) -> bool {
     charge(elab, leaves / LEAVES, span)
 }
 

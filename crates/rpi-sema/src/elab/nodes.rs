@@ -18,7 +18,7 @@ use smallvec::smallvec;
 
 /// Adds a primitive with its inputs connected (`None` if open) and all its parameters. Returns the leaves of its
 /// outputs.
-pub(in crate::elab) fn add_prim(
+pub(super) fn add_prim(
     elab: &mut Elab<'_>,
     prim: PrimId,
     inputs: Vec<Option<Wire>>,
@@ -34,7 +34,7 @@ pub(in crate::elab) fn add_prim(
 }
 
 /// Like [`prim`](Self::prim), for inputs whose types are known including sizes.
-pub(in crate::elab) fn add_prim_typed(
+pub(super) fn add_prim_typed(
     elab: &mut Elab<'_>,
     prim: PrimId,
     inputs: Given,
@@ -76,7 +76,7 @@ fn add_connected(
 }
 
 /// Adds a primitive with inputs of one leaf and one output.
-pub(in crate::elab) fn add_simple(
+pub(super) fn add_simple(
     elab: &mut Elab<'_>,
     prim: PrimId,
     inputs: &[Signal],
@@ -99,7 +99,7 @@ pub(in crate::elab) fn add_simple(
 }
 
 /// Adds the member of a family for a value type.
-pub(in crate::elab) fn add_family_member(
+pub(super) fn add_family_member(
     elab: &mut Elab<'_>,
     family: Family,
     scalar: Scalar,
@@ -114,7 +114,7 @@ pub(in crate::elab) fn add_family_member(
 }
 
 /// Adds a node that copies its input. Returns the port itself if its type has no such primitive.
-pub(in crate::elab) fn add_copy(
+pub(super) fn add_copy(
     elab: &mut Elab<'_>,
     port: PortRef,
     scalar: Scalar,
@@ -132,7 +132,7 @@ pub(in crate::elab) fn add_copy(
 }
 
 /// Adds a node.
-pub(in crate::elab) fn add_node(
+pub(super) fn add_node(
     elab: &mut Elab<'_>,
     prim: PrimId,
     inputs: Inputs,
@@ -159,7 +159,7 @@ pub(in crate::elab) fn add_node(
 }
 
 /// Returns the leaves of a node's outputs.
-pub(in crate::elab) fn out_wire(elab: &Elab<'_>, node: NodeId) -> Wire {
+pub(super) fn out_wire(elab: &Elab<'_>, node: NodeId) -> Wire {
     let outputs = &elab.net.node(node).outputs;
     if let [Type::One(_)] = outputs[..] {
         return single(Signal::Port(PortRef { node, port: 0 }));
@@ -262,7 +262,7 @@ fn report_constant_fault(elab: &mut Elab<'_>, fault: FaultCode, at: At, span: Sp
     report_certain_fault(elab, fault_text(fault).to_owned(), span);
 }
 
-pub(in crate::elab) fn report_certain_fault(elab: &mut Elab<'_>, what: String, span: Span) {
+pub(super) fn report_certain_fault(elab: &mut Elab<'_>, what: String, span: Span) {
     match elab.mode {
         Mode::Constant => {
             elab.fail(NotConstant::Fault(span, what));
@@ -274,14 +274,14 @@ pub(in crate::elab) fn report_certain_fault(elab: &mut Elab<'_>, what: String, s
 }
 
 /// Reserves memory for `more` aliases.
-pub(in crate::elab) fn reserve_aliases(elab: &mut Elab<'_>, more: usize) {
+pub(super) fn reserve_aliases(elab: &mut Elab<'_>, more: usize) {
     elab.aliases.reserve(more);
     elab.alias_types.reserve(more);
     elab.settling.reserve(more);
 }
 
 /// Creates an alias for a flow of a machine type.
-pub(in crate::elab) fn new_alias(elab: &mut Elab<'_>, scalar: Scalar) -> PortRef {
+pub(super) fn new_alias(elab: &mut Elab<'_>, scalar: Scalar) -> PortRef {
     elab.aliases.push(None);
     elab.alias_types.push(scalar);
     elab.settling.push(false);
@@ -289,7 +289,7 @@ pub(in crate::elab) fn new_alias(elab: &mut Elab<'_>, scalar: Scalar) -> PortRef
 }
 
 /// Returns the signal `first` of a fragment.
-pub(in crate::elab) fn first_port(elab: &mut Elab<'_>, fragment: FragmentId, span: Span) -> Signal {
+pub(super) fn first_port(elab: &mut Elab<'_>, fragment: FragmentId, span: Span) -> Signal {
     if let Some(port) = elab.firsts.get(&fragment) {
         return Signal::Port(*port);
     }
@@ -312,7 +312,7 @@ fn numbered(name: &str, serial: u32) -> String {
 }
 
 /// Returns the defaults of all parameters of a primitive.
-pub(in crate::elab) fn default_params(prim: PrimId) -> Vec<Value> {
+pub(super) fn default_params(prim: PrimId) -> Vec<Value> {
     prim.desc()
         .params
         .iter()
@@ -342,7 +342,7 @@ fn default_input(default: PortDefault, scalar: Scalar) -> Input {
 }
 
 /// Splits a value into its leaves, the elements of an array.
-pub(in crate::elab) fn leaves(value: &Value) -> Vec<Leaf> {
+pub(super) fn leaves(value: &Value) -> Vec<Leaf> {
     let (scalar, count) = match value.ty() {
         None | Some(Type::One(_)) => return vec![value.clone()],
         Some(Type::Array(scalar, n)) => (scalar, n),

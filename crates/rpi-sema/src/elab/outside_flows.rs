@@ -18,7 +18,7 @@ use rpi_image::{Scalar, Value};
 use rpi_net::prim;
 
 /// Returns a flow for a reader in all cycles of its block: absent where the flow's clock does not tick.
-pub(in crate::elab) fn off_clock_absent<'u>(
+pub(super) fn off_clock_absent<'u>(
     elab: &mut Elab<'u>,
     scope: &mut Scope<'u>,
     flow: FlowId,
@@ -35,7 +35,7 @@ pub(in crate::elab) fn off_clock_absent<'u>(
 }
 
 /// Returns the value of an equation on the clocks of its targets.
-pub(in crate::elab) fn value_for_targets<'u>(
+pub(super) fn value_for_targets<'u>(
     elab: &mut Elab<'u>,
     scope: &mut Scope<'u>,
     equation: &'u Equation,
@@ -63,7 +63,7 @@ pub(in crate::elab) fn value_for_targets<'u>(
 
 /// Returns leaves of a value, each with its clock and its reader's clock as given by `clocks`. A leaf on a slower
 /// clock becomes absent where that clock does not tick.
-pub(crate) fn on_reader_clock<'u>(
+pub(super) fn on_reader_clock<'u>(
     elab: &mut Elab<'u>,
     scope: &mut Scope<'u>,
     (wire, scalars): (&Wire, &[Scalar]),
@@ -111,7 +111,7 @@ pub(crate) fn on_reader_clock<'u>(
 
 /// Returns the operand of `when` where its clock meets that of the decider. Leaves on other clocks are optional
 /// there.
-pub(in crate::elab) fn sampled_value<'u>(
+pub(super) fn sampled_value<'u>(
     elab: &mut Elab<'u>,
     scope: &mut Scope<'u>,
     [id, value]: [ExprId; 2],
@@ -170,7 +170,7 @@ fn inactive_condition<'u>(
 
 /// Returns a flow for readers outside its block: defined in all cycles of the block, absent where its clock does
 /// not tick. The aliases are bound at the end, when the fragment of the block exists.
-pub(in crate::elab) fn flow_outside_block<'u>(
+pub(super) fn flow_outside_block<'u>(
     elab: &mut Elab<'u>,
     scope: &mut Scope<'u>,
     flow: FlowId,
@@ -190,7 +190,7 @@ pub(in crate::elab) fn flow_outside_block<'u>(
 }
 
 /// Binds the aliases of flows that are read outside their blocks.
-pub(in crate::elab) fn bind_outside_flows<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>) {
+pub(super) fn bind_outside_flows<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>) {
     let around = scope.base;
     for (flow, aliases) in std::mem::take(&mut scope.outside) {
         let declared = scope.unit.flow(flow);

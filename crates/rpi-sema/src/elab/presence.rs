@@ -15,12 +15,7 @@ use rpi_net::prim;
 use rpi_prims::PrimId;
 
 /// Returns a condition that is true in cycles in which the enclosing branch is not chosen.
-pub(in crate::elab) fn imply_guard(
-    elab: &mut Elab<'_>,
-    condition: &Signal,
-    at: At,
-    span: Span,
-) -> Signal {
+pub(super) fn imply_guard(elab: &mut Elab<'_>, condition: &Signal, at: At, span: Span) -> Signal {
     match at.guard {
         Some(guard) => nodes::add_simple(
             elab,
@@ -34,13 +29,7 @@ pub(in crate::elab) fn imply_guard(
 }
 
 /// Adds a check that ends the command with a fault in a cycle in which the condition is false.
-pub(in crate::elab) fn assert(
-    elab: &mut Elab<'_>,
-    check: PrimId,
-    condition: &Signal,
-    at: At,
-    span: Span,
-) {
+pub(super) fn assert(elab: &mut Elab<'_>, check: PrimId, condition: &Signal, at: At, span: Span) {
     if *condition == Signal::Const(Value::bool(true)) {
         return;
     }
@@ -56,7 +45,7 @@ pub(in crate::elab) fn assert(
 }
 
 /// Elaborates `x = y`, leaf by leaf.
-pub(crate) fn equal<'u>(
+pub(super) fn equal<'u>(
     elab: &mut Elab<'u>,
     scope: &mut Scope<'u>,
     id: ExprId,
@@ -91,7 +80,7 @@ pub(crate) fn equal<'u>(
 }
 
 /// Elaborates `present(x)`: true if all leaves are present.
-pub(crate) fn present<'u>(
+pub(super) fn present<'u>(
     elab: &mut Elab<'u>,
     scope: &mut Scope<'u>,
     [id, operand]: [ExprId; 2],
@@ -123,7 +112,7 @@ pub(crate) fn present<'u>(
 }
 
 /// Returns a conjunction, without a node if one operand is constant.
-pub(in crate::elab) fn conjunction(
+pub(super) fn conjunction(
     elab: &mut Elab<'_>,
     a: &Signal,
     b: &Signal,
@@ -153,7 +142,7 @@ pub(in crate::elab) fn conjunction(
 }
 
 /// Elaborates `not present(x)` of a single leaf as one primitive.
-pub(crate) fn not_present<'u>(
+pub(super) fn not_present<'u>(
     elab: &mut Elab<'u>,
     scope: &mut Scope<'u>,
     call: &'u PrimCall,

@@ -16,7 +16,7 @@ use crate::typed::PrimCall;
 use rpi_diag::Span;
 use rpi_image::{ParamType, PortType, Role, Scalar, Type, Value};
 
-pub(crate) fn prim_call<'u>(
+pub(super) fn prim_call<'u>(
     elab: &mut Elab<'u>,
     scope: &mut Scope<'u>,
     call: &'u PrimCall,

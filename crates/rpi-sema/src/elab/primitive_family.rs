@@ -6,7 +6,7 @@ use std::sync::OnceLock;
 
 /// Operation that is implemented by one primitive for each value type.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(in crate::elab) enum Family {
+pub(super) enum Family {
     Value,
     IsNull,
     SetNull,
@@ -59,7 +59,7 @@ type Row = [OnceLock<Option<PrimId>>; Scalar::ALL.len()];
 
 /// Returns the primitive of an operation for a value type, if it exists. Lookups are cached and done on demand, because
 /// a program needs few of them.
-pub(in crate::elab) fn member(family: Family, scalar: Scalar) -> Option<PrimId> {
+pub(super) fn member(family: Family, scalar: Scalar) -> Option<PrimId> {
     static MEMBERS: [Row; NAMES.len()] = [const { [const { OnceLock::new() }; _] }; _];
     let row = NAMES.iter().position(|row| row.0 == family)?;
     let column = Scalar::ALL.iter().position(|one| *one == scalar)?;

@@ -14,7 +14,7 @@ use rpi_net::{Activation, Driver, FragmentId, Input, PortRef, Restart};
 use smallvec::{SmallVec, smallvec};
 
 /// Replaces all aliases by the signals to which they are bound.
-pub(in crate::elab) fn resolve_aliases(elab: &mut Elab<'_>) {
+pub(super) fn resolve_aliases(elab: &mut Elab<'_>) {
     block::set_node_name(elab, "constant");
     for alias in 0..elab.aliases.len() {
         resolve_alias(elab, alias);

@@ -21,24 +21,24 @@ use rpi_net::prim;
 use rpi_net::{FragmentId, PortRef, Restart};
 
 /// Key of a clock's fragment: the parent fragment, the decider and its value.
-pub(in crate::elab) type ClockKey = (FragmentId, Deciding, u32);
+pub(super) type ClockKey = (FragmentId, Deciding, u32);
 
 /// Signal that decides whether a clock ticks.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub(in crate::elab) enum Deciding {
+pub(super) enum Deciding {
     Flow(PortRef),
     /// Constant decider: a Boolean as 0 or 1, or the index of an enum's value.
     Constant(i64),
 }
 
 /// Positions where the leaves of an expression are computed.
-pub(in crate::elab) enum LeafPlaces {
+pub(super) enum LeafPlaces {
     All(At),
     Each(Vec<At>),
 }
 
 impl LeafPlaces {
-    pub(in crate::elab) fn at(&self, k: usize) -> At {
+    pub(super) fn at(&self, k: usize) -> At {
         match self {
             LeafPlaces::All(at) => *at,
             LeafPlaces::Each(places) => places[k.min(places.len() - 1)],
@@ -47,7 +47,7 @@ impl LeafPlaces {
 }
 
 /// Returns the position where an expression is evaluated: in the fragment of its clock.
-pub(in crate::elab) fn position_of<'u>(
+pub(super) fn position_of<'u>(
     elab: &mut Elab<'u>,
     scope: &mut Scope<'u>,
     id: ExprId,
@@ -60,7 +60,7 @@ pub(in crate::elab) fn position_of<'u>(
 }
 
 /// Returns the positions of the leaves of an elementwise expression. `at` is the position of its first leaf.
-pub(in crate::elab) fn leaf_places<'u>(
+pub(super) fn leaf_places<'u>(
     elab: &mut Elab<'u>,
     scope: &mut Scope<'u>,
     id: ExprId,
@@ -78,7 +78,7 @@ pub(in crate::elab) fn leaf_places<'u>(
 
 /// Returns the position in the fragment of a clock. The guard of `at` is kept if the fragment lies inside that of
 /// `at`.
-pub(in crate::elab) fn clock_position<'u>(
+pub(super) fn clock_position<'u>(
     elab: &mut Elab<'u>,
     scope: &mut Scope<'u>,
     clock: ClockId,
@@ -94,13 +94,13 @@ pub(in crate::elab) fn clock_position<'u>(
     }
 }
 
-pub(in crate::elab) fn facts_of<'u>(elab: &Elab<'u>, scope: &Scope<'u>) -> Option<&'u Facts> {
+pub(super) fn facts_of<'u>(elab: &Elab<'u>, scope: &Scope<'u>) -> Option<&'u Facts> {
     let facts = elab.facts;
     scope.id.and_then(|unit| facts.get(unit.0 as usize))
 }
 
 /// Returns the facts of a unit that has sampled flows; none for other units and for constants.
-pub(in crate::elab) fn clocked_facts<'u>(elab: &Elab<'u>, scope: &Scope<'u>) -> Option<&'u Facts> {
+pub(super) fn clocked_facts<'u>(elab: &Elab<'u>, scope: &Scope<'u>) -> Option<&'u Facts> {
     let facts = facts_of(elab, scope).filter(|facts| facts.clocks.any());
     facts.filter(|_| elab.mode != Mode::Constant)
 }
@@ -233,7 +233,7 @@ fn decider_scalar<'u>(elab: &Elab<'u>, scope: &Scope<'u>, by: Decider) -> Scalar
 }
 
 /// Returns the deciders that a unit exposes to its caller.
-pub(in crate::elab) fn exposed_deciders<'u>(
+pub(super) fn exposed_deciders<'u>(
     elab: &mut Elab<'u>,
     scope: &mut Scope<'u>,
     id: UnitId,
@@ -248,7 +248,7 @@ pub(in crate::elab) fn exposed_deciders<'u>(
 }
 
 /// Binds the aliases of the deciders inside a call.
-pub(in crate::elab) fn bind_exposed<'u>(
+pub(super) fn bind_exposed<'u>(
     elab: &mut Elab<'u>,
     scope: &mut Scope<'u>,
     call: ExprId,
@@ -284,7 +284,7 @@ pub(crate) fn tick_condition<'u>(
 }
 
 /// Elaborates `merge c (...)` as a selection by the decider. Cases that are not selected are absent.
-pub(in crate::elab) fn merge<'u>(
+pub(super) fn merge<'u>(
     elab: &mut Elab<'u>,
     scope: &mut Scope<'u>,
     on: ExprId,
@@ -332,7 +332,7 @@ pub(in crate::elab) fn merge<'u>(
 }
 
 /// Elaborates `current x`: x where its clock ticks, else its value at the last tick.
-pub(in crate::elab) fn elab_current<'u>(
+pub(super) fn elab_current<'u>(
     elab: &mut Elab<'u>,
     scope: &mut Scope<'u>,
     [id, operand]: [ExprId; 2],
@@ -369,7 +369,7 @@ pub(in crate::elab) fn elab_current<'u>(
 }
 
 /// Returns an operand of a strict operator or call: absent where the operator's clock ticks and its own does not.
-pub(in crate::elab) fn operand_wire<'u>(
+pub(super) fn operand_wire<'u>(
     elab: &mut Elab<'u>,
     scope: &mut Scope<'u>,
     [reader, operand]: [ExprId; 2],
@@ -383,7 +383,7 @@ pub(in crate::elab) fn operand_wire<'u>(
 }
 
 /// Returns an operand of an elementwise operator, leaf by leaf on the clock of the result.
-pub(in crate::elab) fn read_leaves<'u>(
+pub(super) fn read_leaves<'u>(
     elab: &mut Elab<'u>,
     scope: &mut Scope<'u>,
     [reader, operand]: [ExprId; 2],
@@ -402,7 +402,7 @@ pub(in crate::elab) fn read_leaves<'u>(
 }
 
 /// Returns a value for a reader on one clock.
-pub(in crate::elab) fn read_at<'u>(
+pub(super) fn read_at<'u>(
     elab: &mut Elab<'u>,
     scope: &mut Scope<'u>,
     id: ExprId,

@@ -11,10 +11,10 @@ use rpi_diag::Span;
 use rpi_net::{FragmentId, PortRef};
 
 /// One instance of a unit during elaboration.
-pub(in crate::elab) struct Scope<'u> {
-    pub(in crate::elab) unit: &'u Unit,
+pub(super) struct Scope<'u> {
+    pub(super) unit: &'u Unit,
     /// Index of the unit; none for a constant expression outside any unit.
-    pub(in crate::elab) id: Option<UnitId>,
+    pub(super) id: Option<UnitId>,
     /// State of each flow.
     flows: Slots<State>,
     /// Wires of the elaborated expressions. An expression that is used more than once is elaborated once.
@@ -22,26 +22,26 @@ pub(in crate::elab) struct Scope<'u> {
     /// Guards of the elaborated expressions that can fault.
     guards: Map<ExprId, PortRef>,
     /// Fragment of each block, once it exists.
-    pub(in crate::elab) fragments: Vec<Option<FragmentId>>,
+    pub(super) fragments: Vec<Option<FragmentId>>,
     /// Leaves that are read outside blocks whose fragments do not exist yet.
-    pub(in crate::elab) leaving: Vec<Leaving>,
+    pub(super) leaving: Vec<Leaving>,
     /// Fragment to which clocks are relative: that of the block being elaborated.
-    pub(in crate::elab) base: FragmentId,
+    pub(super) base: FragmentId,
     /// Fragments of clocks, by base fragment and clock.
-    pub(in crate::elab) clocks: Map<(FragmentId, ClockId), FragmentId>,
+    pub(super) clocks: Map<(FragmentId, ClockId), FragmentId>,
     /// Aliases of the deciders inside calls.
-    pub(in crate::elab) inside: Map<(ExprId, u32), PortRef>,
+    pub(super) inside: Map<(ExprId, u32), PortRef>,
     /// Sampled flows that are read outside their blocks, with their aliases.
-    pub(in crate::elab) outside: Vec<(FlowId, Wire)>,
+    pub(super) outside: Vec<(FlowId, Wire)>,
     /// Path of the calls that lead to the unit, with a trailing dot.
-    pub(in crate::elab) prefix: String,
+    pub(super) prefix: String,
     /// Span of the call that this instance belongs to.
-    pub(in crate::elab) called: Option<Span>,
+    pub(super) called: Option<Span>,
 }
 
 /// Progress of a flow.
 #[derive(Clone, Default, Debug)]
-pub(in crate::elab) enum State {
+pub(super) enum State {
     /// Not reached yet.
     #[default]
     Open,
@@ -53,7 +53,7 @@ pub(in crate::elab) enum State {
 
 impl<'u> Scope<'u> {
     /// Creates the scope of a whole unit.
-    pub(in crate::elab) fn new(unit: &'u Unit, id: UnitId) -> Self {
+    pub(super) fn new(unit: &'u Unit, id: UnitId) -> Self {
         Scope {
             id: Some(id),
             flows: Slots::all(unit.flows.len()),
@@ -64,7 +64,7 @@ impl<'u> Scope<'u> {
     }
 
     /// Creates the scope of a constant in a unit.
-    pub(in crate::elab) fn constant(unit: &'u Unit) -> Self {
+    pub(super) fn constant(unit: &'u Unit) -> Self {
         Scope {
             unit,
             id: None,
@@ -84,18 +84,18 @@ impl<'u> Scope<'u> {
 
     /// Returns the wire of an elaborated expression. A shared expression (a part of a pattern, a mode of a contract)
     /// may have been elaborated under another guard. The wire is then valid only under that guard.
-    pub(in crate::elab) fn recall(&self, id: ExprId, guard: Option<PortRef>) -> Option<Wire> {
+    pub(super) fn recall(&self, id: ExprId, guard: Option<PortRef>) -> Option<Wire> {
         let known = self.memo.get(id.0)?.as_ref()?;
         let counts = self.guards.get(&id).is_none_or(|made| Some(*made) == guard);
         counts.then(|| known.clone())
     }
 
-    pub(in crate::elab) fn is_known(&self, id: ExprId) -> bool {
+    pub(super) fn is_known(&self, id: ExprId) -> bool {
         self.memo.get(id.0).is_some_and(Option::is_some)
     }
 
     /// Stores the wire of an expression. `guard` is the condition under which it is valid, none if it cannot fault.
-    pub(in crate::elab) fn remember(&mut self, id: ExprId, wire: &Wire, guard: Option<PortRef>) {
+    pub(super) fn remember(&mut self, id: ExprId, wire: &Wire, guard: Option<PortRef>) {
         *self.memo.slot(id.0) = Some(wire.clone());
         match guard {
             Some(guard) => drop(self.guards.insert(id, guard)),
@@ -103,11 +103,11 @@ impl<'u> Scope<'u> {
         }
     }
 
-    pub(in crate::elab) fn state(&mut self, flow: FlowId) -> &mut State {
+    pub(super) fn state(&mut self, flow: FlowId) -> &mut State {
         self.flows.slot(flow.0)
     }
 
-    pub(in crate::elab) fn fragment(&self, block: BlockId) -> Option<FragmentId> {
+    pub(super) fn fragment(&self, block: BlockId) -> Option<FragmentId> {
         self.fragments.get(block.0 as usize).copied().flatten()
     }
 }

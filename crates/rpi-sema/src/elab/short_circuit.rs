@@ -62,7 +62,7 @@ pub struct Operand {
 }
 
 /// Elaborates an operand that is not always needed, recording it if it contains state.
-pub(in crate::elab) fn lazy_operand<'u>(
+pub(super) fn lazy_operand<'u>(
     elab: &mut Elab<'u>,
     scope: &mut Scope<'u>,
     id: ExprId,
@@ -81,7 +81,7 @@ pub(in crate::elab) fn lazy_operand<'u>(
 }
 
 /// Elaborates `x and y`, `x or y` and `x => y` where y can fault or has state; none for all other primitives.
-pub(in crate::elab) fn short_circuit<'u>(
+pub(super) fn short_circuit<'u>(
     elab: &mut Elab<'u>,
     scope: &mut Scope<'u>,
     call: &'u PrimCall,
@@ -156,7 +156,7 @@ fn undecided_condition(
 }
 
 /// Elaborates `x ?? y`.
-pub(in crate::elab) fn coalesce_operands<'u>(
+pub(super) fn coalesce_operands<'u>(
     elab: &mut Elab<'u>,
     scope: &mut Scope<'u>,
     [id, a, b]: [ExprId; 3],

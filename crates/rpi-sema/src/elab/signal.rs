@@ -9,7 +9,7 @@ use std::rc::Rc;
 
 /// Source of one leaf.
 #[derive(Clone, PartialEq, Debug)]
-pub(in crate::elab) enum Signal {
+pub(super) enum Signal {
     /// Constant or text.
     Const(Leaf),
     /// Output port of a node, or an alias.
@@ -22,7 +22,7 @@ pub(in crate::elab) enum Signal {
 
 /// Leaves of a value. A single leaf, the most frequent case, is stored inline; several leaves are shared.
 #[derive(Clone, PartialEq, Debug)]
-pub(in crate::elab) enum Wire {
+pub(super) enum Wire {
     One(Signal),
     Many(Rc<[Signal]>),
 }
@@ -64,15 +64,15 @@ impl From<&[Signal]> for Wire {
 }
 
 /// Types and wires of a primitive's inputs; `None` for an open input.
-pub(in crate::elab) type Given = SmallVec<[Option<(Type, Wire)>; 2]>;
+pub(super) type Given = SmallVec<[Option<(Type, Wire)>; 2]>;
 
 /// Returns a wire of one leaf.
-pub(in crate::elab) fn single(signal: Signal) -> Wire {
+pub(super) fn single(signal: Signal) -> Wire {
     Wire::One(signal)
 }
 
 /// Returns a wire without leaves.
-pub(in crate::elab) fn nothing() -> Wire {
+pub(super) fn nothing() -> Wire {
     Wire::Many(Rc::from([]))
 }
 
@@ -80,7 +80,7 @@ pub(in crate::elab) fn nothing() -> Wire {
 const ALIAS: u32 = 1 << 31;
 
 /// Returns the port that represents an alias until it is resolved.
-pub(in crate::elab) fn alias(index: usize) -> PortRef {
+pub(super) fn alias(index: usize) -> PortRef {
     PortRef {
         node: NodeId(ALIAS | u32::try_from(index).unwrap_or(u32::MAX)),
         port: 0,
@@ -88,6 +88,6 @@ pub(in crate::elab) fn alias(index: usize) -> PortRef {
 }
 
 /// Returns the index of the alias that a port represents; none for a port of a node.
-pub(in crate::elab) fn alias_of(port: PortRef) -> Option<usize> {
+pub(super) fn alias_of(port: PortRef) -> Option<usize> {
     (port.node.0 & ALIAS != 0).then_some((port.node.0 & !ALIAS) as usize)
 }

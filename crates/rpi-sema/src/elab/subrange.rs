@@ -26,7 +26,7 @@ struct Checked {
 }
 
 /// Returns the leaves of an equation's value, each checked against the subrange of its target.
-pub(in crate::elab) fn check_targets<'u>(
+pub(super) fn check_targets<'u>(
     elab: &mut Elab<'u>,
     scope: &mut Scope<'u>,
     equation: &Equation,
@@ -64,7 +64,7 @@ pub(in crate::elab) fn check_targets<'u>(
 }
 
 /// Checks the inputs of a call. An error is reported at the caller's argument.
-pub(in crate::elab) fn check_inputs<'u>(
+pub(super) fn check_inputs<'u>(
     elab: &mut Elab<'u>,
     scope: &mut Scope<'u>,
     spans: &[Option<Span>],
@@ -84,11 +84,7 @@ pub(in crate::elab) fn check_inputs<'u>(
 }
 
 /// Checks an input that is set from outside the program.
-pub(in crate::elab) fn check_external_input<'u>(
-    elab: &mut Elab<'u>,
-    scope: &mut Scope<'u>,
-    flow: FlowId,
-) {
+pub(super) fn check_external_input<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>, flow: FlowId) {
     let span = scope.unit.flow(flow).span;
     check_input(elab, scope, flow, true, At::ROOT, span);
 }
@@ -123,7 +119,7 @@ fn check_input<'u>(
 }
 
 /// Checks a value for field number `field` of a struct that is built here.
-pub(in crate::elab) fn check_field(
+pub(super) fn check_field(
     elab: &mut Elab<'_>,
     wire: Wire,
     (of, field): (&Ty, usize),
@@ -143,7 +139,7 @@ pub(in crate::elab) fn check_field(
 }
 
 /// Checks some leaves of a value that comes from outside, or that has new parts of structs.
-pub(in crate::elab) fn check_leaves(
+pub(super) fn check_leaves(
     elab: &mut Elab<'_>,
     wire: Wire,
     ty: &Ty,
@@ -253,7 +249,7 @@ fn leaf_position<'u>(
 }
 
 /// Checks the fields that `x with .n = y` replaces.
-pub(in crate::elab) fn check_replaced<'u>(
+pub(super) fn check_replaced<'u>(
     elab: &mut Elab<'u>,
     scope: &Scope<'u>,
     wire: Wire,

@@ -22,13 +22,7 @@ const CONVERSIONS: [PrimId; 3] = [
 ];
 
 /// Returns the signals of a constant, leaf by leaf, with durations converted to ticks.
-pub(in crate::elab) fn constants(
-    elab: &mut Elab<'_>,
-    leaves: &[Leaf],
-    ty: &Ty,
-    at: At,
-    span: Span,
-) -> Wire {
+pub(super) fn constants(elab: &mut Elab<'_>, leaves: &[Leaf], ty: &Ty, at: At, span: Span) -> Wire {
     let mut times = Vec::new();
     if elab.mode != Mode::Constant {
         ty.leaves(&mut |_, leaf| times.push(*leaf == Ty::Duration));
@@ -53,7 +47,7 @@ fn fixed_ticks(elab: &mut Elab<'_>, seconds: Leaf, at: At, span: Span) -> Signal
 
 /// Evaluates a primitive with durations in a constant. A conversion is the identity there, and other operations on
 /// ticks have no value; none for primitives without durations.
-pub(in crate::elab) fn constant_duration<'u>(
+pub(super) fn constant_duration<'u>(
     elab: &mut Elab<'u>,
     scope: &mut Scope<'u>,
     call: &'u PrimCall,
@@ -72,7 +66,7 @@ pub(in crate::elab) fn constant_duration<'u>(
 }
 
 /// Converts an external leaf to the unit of the program: durations from seconds to ticks.
-pub(in crate::elab) fn convert_to_ticks(
+pub(super) fn convert_to_ticks(
     elab: &mut Elab<'_>,
     signal: Signal,
     ty: &Ty,
@@ -88,7 +82,7 @@ pub(in crate::elab) fn convert_to_ticks(
 }
 
 /// Converts a leaf of the program to the unit used outside: durations from ticks to seconds.
-pub(in crate::elab) fn convert_to_seconds(
+pub(super) fn convert_to_seconds(
     elab: &mut Elab<'_>,
     signal: &Signal,
     ty: &Ty,
@@ -106,6 +100,6 @@ pub(in crate::elab) fn convert_to_seconds(
 }
 
 /// Returns the machine type of a leaf outside the program.
-pub(in crate::elab) fn external_scalar(ty: &Ty) -> Scalar {
+pub(super) fn external_scalar(ty: &Ty) -> Scalar {
     crate::check::outside_type(ty).1
 }

@@ -6,12 +6,7 @@ use crate::typed::{Each, Kind};
 /// Returns whether `a ?? b` is present in all cycles because its operands include flows from fragments with opposite
 /// activations, or from all states of an automaton. `total` returns whether a flow is present whenever its block is
 /// active.
-pub(in crate::facts) fn covers(
-    unit: &Unit,
-    a: ExprId,
-    b: ExprId,
-    total: impl Fn(FlowId) -> bool,
-) -> bool {
+pub(super) fn covers(unit: &Unit, a: ExprId, b: ExprId, total: impl Fn(FlowId) -> bool) -> bool {
     let mut flows = Vec::new();
     sources(unit, a, &mut flows);
     sources(unit, b, &mut flows);

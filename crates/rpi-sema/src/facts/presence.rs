@@ -7,18 +7,17 @@ use crate::clocks::{self, Borders, ClockId, Clocks};
 use crate::facts::Absence;
 use crate::facts::dependents::Definition;
 use crate::facts::dependents::Reads;
-use crate::ty::Ty;
-use crate::typed::{Activation, Call, Each, Kind, PrimCall};
-use crate::typed::{BlockId, ExprId, FlowId, Optional, Place, Unit, UnitKind};
+use crate::typed::{Activation, Each, Kind};
+use crate::typed::{BlockId, ExprId, FlowId, Optional, Place, Unit};
 use rpi_diag::{Code, Finding, Fix, Severity, Span};
-use rpi_image::{Need, Presence, Role};
+use rpi_image::Presence;
 use std::collections::BTreeSet;
 
 /// Results of the analyses of a unit.
 #[derive(Clone, Debug, Default)]
 pub struct Facts {
     exprs: Vec<Absence>,
-    flows: Vec<Absence>,
+    pub(super) flows: Vec<Absence>,
     /// Clocks of the unit's expressions and flows.
     pub clocks: Clocks,
 }
@@ -137,15 +136,15 @@ fn has_in_itself(places: &BTreeSet<Span>, place: Span) -> bool {
 }
 
 /// State of the presence inference for one unit.
-pub(in crate::facts) struct Inference<'u> {
-    pub(in crate::facts) units: &'u [Unit],
-    pub(in crate::facts) facts: &'u [Facts],
-    pub(in crate::facts) unit: &'u Unit,
-    pub(in crate::facts) clocks: &'u Clocks,
+pub(super) struct Inference<'u> {
+    pub(super) units: &'u [Unit],
+    pub(super) facts: &'u [Facts],
+    pub(super) unit: &'u Unit,
+    pub(super) clocks: &'u Clocks,
     /// Absence of each expression. Empty until `solve` starts.
-    pub(in crate::facts) exprs: Vec<Absence>,
-    flows: Vec<Absence>,
-    borders: Borders<'u>,
+    pub(super) exprs: Vec<Absence>,
+    pub(super) flows: Vec<Absence>,
+    pub(super) borders: Borders<'u>,
 }
 
 impl<'u> Inference<'u> {
@@ -281,24 +280,24 @@ impl<'u> Inference<'u> {
     }
 
     /// Returns the absence of a flow for a reader in a block. Outside a block that may be inactive it may be absent.
-    fn flow(&self, flow: FlowId, reader: BlockId) -> Absence {
+    pub(super) fn flow(&self, flow: FlowId, reader: BlockId) -> Absence {
         match self.borders.is_outside(flow, reader) {
             true => Absence::MAYBE,
             false => self.flows[flow.0 as usize].clone(),
         }
     }
 
-    pub(in crate::facts) fn of(&self, id: ExprId) -> Absence {
+    pub(super) fn of(&self, id: ExprId) -> Absence {
         let known = self.exprs.get(id.0 as usize);
         known.cloned().unwrap_or(Absence::NEVER)
     }
 
-    fn count(&self, id: ExprId) -> usize {
+    pub(super) fn count(&self, id: ExprId) -> usize {
         self.unit.expr(id).ty.leaf_count()
     }
 
     /// Returns the absence of a value for a reader on one clock: also absent where the value's own clock does not tick.
-    pub(in crate::facts) fn seen_at(&self, id: ExprId, reader: ClockId) -> Absence {
+    pub(super) fn seen_at(&self, id: ExprId, reader: ClockId) -> Absence {
         let slower = |k: usize| self.clocks.is_slower(self.clocks.leaf(id, k), reader);
         match self.clocks.row(id).one() {
             Some(_) if slower(0) => Absence::MAYBE,
@@ -308,7 +307,7 @@ impl<'u> Inference<'u> {
     }
 
     /// Returns the absence of an operand of an elementwise operator.
-    pub(in crate::facts) fn seen_by(&self, reader: ExprId, operand: ExprId) -> Absence {
+    pub(super) fn seen_by(&self, reader: ExprId, operand: ExprId) -> Absence {
         match self.clocks.row(reader).one() {
             Some(clock) => self.seen_at(operand, clock),
             None => {
@@ -320,7 +319,7 @@ impl<'u> Inference<'u> {
     }
 
     /// Returns the absence of leaves of a value on the clock of the equation's target.
-    pub(in crate::facts) fn taken(
+    pub(super) fn taken(
         &self,
         value: ExprId,
         (first, count): (usize, usize),
@@ -342,183 +341,12 @@ impl<'u> Inference<'u> {
     }
 
     /// Returns whether an operand of a strict operator or call may be absent.
-    fn is_absent_in(&self, reader: ExprId, operand: ExprId) -> bool {
+    pub(super) fn is_absent_in(&self, reader: ExprId, operand: ExprId) -> bool {
         self.seen_at(operand, self.clocks.place(reader)).any()
     }
 
-    fn expr(&self, id: ExprId, reads: &Reads<'_>) -> Absence {
-        let expr = self.unit.expr(id);
-        let count = expr.ty.leaf_count();
-        match &expr.kind {
-            Kind::Fault | Kind::Const(_) | Kind::Literal(_) | Kind::Outside | Kind::Present(_) => {
-                Absence::NEVER
-            }
-            Kind::None => Absence::MAYBE,
-            Kind::Flow(flow) => self.flow(*flow, reads.blocks[id.0 as usize]),
-            Kind::Sensor { device, port } => self.sensor(*device, *port),
-            Kind::Part { base, at } => self.of(*base).part(*at as usize, count),
-            Kind::Slice { base, .. } | Kind::Repeat(base) => Absence::All(self.of(*base).any()),
-            Kind::Select { base, index } => {
-                let slowest = |operand: &ExprId| self.is_absent_in(id, *operand);
-                let one = self.clocks.row(id).one().is_some();
-                Absence::All([base, index].into_iter().any(slowest) || !one)
-            }
-            Kind::Build(parts) => {
-                let leaves = parts.iter().flat_map(|part| {
-                    let absence = self.of(*part);
-                    (0..self.count(*part)).map(move |k| absence.leaf(k))
-                });
-                Absence::of(leaves)
-            }
-            Kind::Replace { base, at, value } => {
-                let part = self.of(*value);
-                self.of(*base)
-                    .replaced(count, *at as usize, &part, self.count(*value))
-            }
-            Kind::Each(each, operands) => self.each(*each, operands, id),
-            Kind::Equal { operands, .. } => {
-                Absence::All(operands.iter().any(|one| self.is_absent_in(id, *one)))
-            }
-            Kind::Prim(call) => Absence::of(self.prim_leaves(id, call, &expr.ty)),
-            Kind::Call(call) => self.call(id, call),
-            Kind::When { value, .. } => {
-                let slower = |k: usize| !self.clocks.beyond_sampled(*value, k, id).1.is_empty();
-                match self.clocks.any() {
-                    true => self.of(*value).or(count, slower),
-                    false => self.of(*value),
-                }
-            }
-            Kind::Merge { on, cases } => {
-                let any = cases.iter().any(|(_, id)| self.of(*id).any());
-                Absence::All(any || self.of(*on).any())
-            }
-            // In Lustre the initialisation analysis rejects reads before the first tick.
-            Kind::Current(operand) if self.unit.is_lustre => self.of(*operand),
-            Kind::Current(_) => Absence::MAYBE,
-        }
-    }
-
-    fn sensor(&self, device: ExprId, port: u32) -> Absence {
-        match &self.unit.expr(device).ty {
-            Ty::Device(device) => {
-                let port = device.ports.get(port as usize);
-                Absence::All(port.is_some_and(|port| port.optional))
-            }
-            _ => Absence::NEVER,
-        }
-    }
-
-    fn each(&self, each: Each, operands: &[ExprId], id: ExprId) -> Absence {
-        let count = self.count(id);
-        let or = |a: bool, b: bool| a || b;
-        match (each, operands) {
-            (Each::If, [condition, yes, no]) => {
-                let [yes, no] = [yes, no].map(|branch| self.seen_by(id, *branch));
-                let undecided = |k: usize| {
-                    let clock = self.clocks.leaf(id, k);
-                    self.seen_at(*condition, clock).any()
-                };
-                match self.clocks.row(id).one() {
-                    Some(_) if undecided(0) => Absence::MAYBE,
-                    Some(_) => yes.with(&no, count, or),
-                    None => yes.with(&no, count, or).or(count, undecided),
-                }
-            }
-            (Each::Pre | Each::Last, [x]) => self.of(*x),
-            (Each::Arrow, [a, b]) => {
-                let [a, b] = [a, b].map(|side| self.seen_by(id, *side));
-                a.with(&b, count, or)
-            }
-            (Each::Coalesce, [a, b]) if self.covers(*a, *b) => Absence::NEVER,
-            (Each::Coalesce | Each::Hold, [a, b]) => {
-                let [a, b] = [a, b].map(|operand| self.seen_by(id, *operand));
-                a.with(&b, count, |a, b| a && b)
-            }
-            _ => Absence::MAYBE,
-        }
-    }
-
-    fn covers(&self, a: ExprId, b: ExprId) -> bool {
-        let total = |flow: FlowId| !self.flows[flow.0 as usize].any();
-        crate::facts::exclusive_fragments::covers(self.unit, a, b, total)
-    }
-
-    /// Returns for each output of a primitive whether it can be absent.
-    fn prim(&self, id: ExprId, call: &PrimCall) -> Vec<bool> {
-        let desc = call.prim.desc();
-        let connected: Vec<bool> = call
-            .inputs
-            .iter()
-            .flatten()
-            .map(|input| self.is_absent_in(id, *input))
-            .collect();
-        let is_open = |(port, given): (&rpi_image::InPort, &Option<ExprId>)| {
-            given.is_none() && matches!(port.need, Need::Absent | Need::Required)
-        };
-        let open = desc.inputs.iter().zip(&call.inputs).any(is_open);
-        let some = connected.iter().any(|absent| *absent);
-        let rule = |presence: Presence| match presence {
-            Presence::Always => false,
-            Presence::Maybe => true,
-            Presence::Strict => some,
-            Presence::IfAll => some || open,
-            Presence::IfAny => !connected.iter().any(|absent| !absent),
-        };
-        let is_delay = desc.role == Role::Delay;
-        let outputs = desc
-            .outputs
-            .iter()
-            .map(|port| rule(port.presence) || (is_delay && some));
-        outputs.collect()
-    }
-
-    fn prim_leaves(
-        &self,
-        id: ExprId,
-        call: &PrimCall,
-        ty: &Ty,
-    ) -> impl Iterator<Item = bool> + use<> {
-        let ports = self.prim(id, call);
-        let counts: Vec<usize> = match (&ports[..], ty) {
-            ([_], ty) => vec![ty.leaf_count()],
-            (_, ty) => ty
-                .members()
-                .iter()
-                .map(|member| member.ty.leaf_count())
-                .collect(),
-        };
-        let leaves = ports.into_iter().zip(counts);
-        leaves.flat_map(|(absent, count)| std::iter::repeat_n(absent, count))
-    }
-
-    fn call(&self, id: ExprId, call: &Call) -> Absence {
-        let callee = &self.units[call.unit.0 as usize];
-        if callee.kind == UnitKind::Function {
-            let is_absent = |(port, arg): (&FlowId, &Option<ExprId>)| {
-                arg.is_some_and(|arg| self.given(id, callee.flow(*port), arg).any())
-            };
-            if callee.inputs.iter().zip(&call.args).any(is_absent) {
-                return Absence::MAYBE;
-            }
-        }
-        let when_it_runs = Absence::of(callee.optional_leaves());
-        match call.activation {
-            Activation::Condact { default: None, .. } => Absence::MAYBE,
-            Activation::Condact {
-                default: Some(before),
-                ..
-            } => {
-                let count = callee.optional_leaves().count();
-                when_it_runs.with(&self.seen_by(id, before), count, |run, before| {
-                    run || before
-                })
-            }
-            Activation::Always | Activation::Restart { .. } => when_it_runs,
-        }
-    }
-
     /// Returns whether a flow is defined by equations and declared as present.
-    pub(in crate::facts) fn must_be_present(&self, flow: FlowId) -> bool {
+    pub(super) fn must_be_present(&self, flow: FlowId) -> bool {
         let flow = self.unit.flow(flow);
         flow.role.has_equation() && flow.optional == Optional::Declared(false)
     }
@@ -556,7 +384,7 @@ impl<'u> Inference<'u> {
     }
 
     /// Returns a fix that appends `?? otherwise` to an expression.
-    pub(in crate::facts) fn coalesced(&self, id: ExprId, otherwise: &str) -> Fix {
+    pub(super) fn coalesced(&self, id: ExprId, otherwise: &str) -> Fix {
         let span = self.unit.expr(id).span;
         let fix = Fix::maybe(format!("use `{otherwise}` while it is absent"));
         match self.unit.expr(id).kind {
@@ -570,7 +398,7 @@ impl<'u> Inference<'u> {
     }
 
     /// Reports a value that may be absent but must be present, for a reader on clock `reader`. `why` is the label.
-    pub(in crate::facts) fn absent_here(&self, id: ExprId, reader: ClockId, why: &str) -> Finding {
+    pub(super) fn absent_here(&self, id: ExprId, reader: ClockId, why: &str) -> Finding {
         let span = self.unit.expr(id).span;
         let message = match self.unit.expr(id).kind {
             Kind::Flow(flow) => format!("`{}` may be absent here", self.unit.flow(flow).name),

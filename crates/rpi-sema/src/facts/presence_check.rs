@@ -11,11 +11,7 @@ use rpi_diag::{Code, Finding, Span};
 use std::collections::BTreeSet;
 
 /// Reports values that must be present but may be absent.
-pub(in crate::facts) fn demand(
-    inference: &Inference<'_>,
-    reads: &Reads<'_>,
-    findings: &mut Vec<Finding>,
-) {
+pub(super) fn demand(inference: &Inference<'_>, reads: &Reads<'_>, findings: &mut Vec<Finding>) {
     let faulty = flows(inference, reads, findings);
     conditions(inference, findings);
     for id in (0..).map(ExprId).take(inference.unit.exprs.len()) {
@@ -174,7 +170,7 @@ fn reads_flow_of(unit: &Unit, id: ExprId, block: usize) -> bool {
 
 impl Inference<'_> {
     /// Returns the absence of an argument for an input. An input with a clock takes values of that clock.
-    pub(in crate::facts) fn given(&self, call: ExprId, port: &Flow, arg: ExprId) -> Absence {
+    pub(super) fn given(&self, call: ExprId, port: &Flow, arg: ExprId) -> Absence {
         match port.clock {
             Some(_) => self.of(arg),
             None => self.seen_at(arg, self.clocks.place(call)),
@@ -232,7 +228,7 @@ fn needless(
 
 /// Finds the cause of an expression's absence: the first flow or operand that may be absent. Returns its span and a
 /// label.
-pub(in crate::facts) fn origin(
+pub(super) fn origin(
     inference: &Inference<'_>,
     id: ExprId,
     reader: ClockId,

@@ -7,12 +7,7 @@ use crate::typed::{BlockId, Export, Handed, Optional, TaskStep, Unit};
 use rpi_diag::{Code, Finding};
 
 /// Reports values that a command in a task takes over and that may be absent.
-pub(in crate::facts) fn handed(
-    units: &[Unit],
-    facts: &[Facts],
-    task: &Unit,
-    findings: &mut Vec<Finding>,
-) {
+pub(super) fn handed(units: &[Unit], facts: &[Facts], task: &Unit, findings: &mut Vec<Finding>) {
     for step in &task.steps {
         let wrong =
             |handed: &&Handed| is_wanted(units, step, handed) && may_lack(units, facts, handed);

@@ -5,11 +5,11 @@ use rpi_net::{FragmentId, NodeId, PortRef};
 use std::rc::Rc;
 
 /// Condition in the same cycle: a Boolean flow and the value that it must have.
-pub(in crate::init) type Condition = (PortRef, bool);
+pub(super) type Condition = (PortRef, bool);
 
 /// Cycles in which a possibly uninitialised flow has a value.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(in crate::init) enum Unless {
+pub(super) enum Unless {
     /// Cycles in which the condition holds.
     Now(Condition),
     /// Cycles of this fragment from the first one on in which the condition holds, for the held value of a sampled
@@ -19,7 +19,7 @@ pub(in crate::init) enum Unless {
 
 /// Abstract value of a flow, an element of a lattice. Later variants allow more.
 #[derive(Clone, PartialEq, Debug)]
-pub(in crate::init) enum Known {
+pub(super) enum Known {
     /// No such cycle exists.
     Never,
     /// This value.
@@ -39,12 +39,12 @@ pub(in crate::init) enum Known {
 
 impl Known {
     /// Creates the abstract value of a constant.
-    pub(in crate::init) fn value(value: Value) -> Known {
+    pub(super) fn value(value: Value) -> Known {
         Known::Value(Rc::new(value))
     }
 
     /// Least upper bound of two abstract values.
-    pub(in crate::init) fn join(&self, other: &Known) -> Known {
+    pub(super) fn join(&self, other: &Known) -> Known {
         use Known::{Defined, Never, Undefined};
         match (self, other) {
             (Never, known) | (known, Never) => known.clone(),
@@ -79,7 +79,7 @@ impl Known {
     }
 
     /// Returns whether the two values are certainly different integers.
-    pub(in crate::init) fn differs(&self, other: &Known) -> bool {
+    pub(super) fn differs(&self, other: &Known) -> bool {
         match (self.integers(), other.integers()) {
             (Some(a), Some(b)) => a.iter().all(|value| b.binary_search(value).is_err()),
             _ => false,
@@ -87,7 +87,7 @@ impl Known {
     }
 
     /// Returns the Boolean value, if it is known.
-    pub(in crate::init) fn truth(&self) -> Option<bool> {
+    pub(super) fn truth(&self) -> Option<bool> {
         match self {
             Known::Value(value) => value.as_bool(),
             _ => None,
@@ -95,7 +95,7 @@ impl Known {
     }
 
     /// Returns the abstract value in a later cycle, where conditions of this cycle no longer apply.
-    pub(in crate::init) fn later(self) -> Known {
+    pub(super) fn later(self) -> Known {
         match self {
             Known::Undefined { root, .. } => Known::Undefined { root, unless: None },
             known => known,
@@ -103,7 +103,7 @@ impl Known {
     }
 
     /// Returns `Defined` if `holds` is true for the condition under which this flow has a value.
-    pub(in crate::init) fn given(self, holds: impl FnOnce(Unless) -> bool) -> Known {
+    pub(super) fn given(self, holds: impl FnOnce(Unless) -> bool) -> Known {
         match self {
             Known::Undefined {
                 unless: Some(unless),
@@ -114,7 +114,7 @@ impl Known {
     }
 
     /// Marks an uninitialised value as defined where the condition holds.
-    pub(in crate::init) fn defined_where(self, condition: Option<Condition>) -> Known {
+    pub(super) fn defined_where(self, condition: Option<Condition>) -> Known {
         match self {
             Known::Undefined { root, unless: None } => Known::Undefined {
                 root,
@@ -125,7 +125,7 @@ impl Known {
     }
 
     /// Marks a value that is defined where a condition holds as defined from then on, because the fragment holds it.
-    pub(in crate::init) fn kept(self, fragment: FragmentId) -> Known {
+    pub(super) fn kept(self, fragment: FragmentId) -> Known {
         match self {
             Known::Undefined {
                 root,

@@ -19,7 +19,7 @@ const MAX_STEPS: usize = 1000;
 const MAX_DEPTH: usize = 8;
 
 /// Returns whether `unless` holds for a reader in cycles in which all given conditions hold.
-pub(in crate::init) fn holds(
+pub(super) fn holds(
     all: &Solution<'_>,
     reader: NodeId,
     unless: Unless,
@@ -43,7 +43,7 @@ pub(in crate::init) fn holds(
 }
 
 /// Returns whether a conditional holds its value otherwise: `c`, a value, and the delay of the conditional itself.
-pub(in crate::init) fn keeps_itself(net: &Net, choice: NodeId) -> bool {
+pub(super) fn keeps_itself(net: &Net, choice: NodeId) -> bool {
     let node = net.node(choice);
     let otherwise = node.inputs.get(2).and_then(Input::port);
     otherwise.is_some_and(|port| {

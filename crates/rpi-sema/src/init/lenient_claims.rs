@@ -9,7 +9,7 @@ use rpi_net::{FragmentId, Net, NodeId, PortRef};
 use std::collections::BTreeSet;
 
 /// Returns the condition ports of Lustre claims, each with the fragment of the claim.
-pub(in crate::init) fn looked_at(net: &Net) -> impl Iterator<Item = (PortRef, FragmentId)> + '_ {
+pub(super) fn looked_at(net: &Net) -> impl Iterator<Item = (PortRef, FragmentId)> + '_ {
     let lenient = net.claims.iter().filter(|claim| !claim.is_strict);
     let keys: BTreeSet<&str> = lenient.map(|claim| claim.key.as_str()).collect();
     let exports = net.exports.iter();
@@ -19,7 +19,7 @@ pub(in crate::init) fn looked_at(net: &Net) -> impl Iterator<Item = (PortRef, Fr
 
 /// Returns one warning for each `pre` that claims read before it is initialised. `told` are the delays reported for
 /// other readers.
-pub(in crate::init) fn findings(
+pub(super) fn findings(
     net: &Net,
     rules: &[Rule],
     told: &[NodeId],

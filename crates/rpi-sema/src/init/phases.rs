@@ -4,56 +4,56 @@
 use crate::init::abstract_value::Known;
 
 /// Number of phases. The last one stands for all cycles from there on.
-pub(in crate::init) const PHASES: usize = 5;
+pub(super) const PHASES: usize = 5;
 
 /// Last phase, which covers all later cycles.
-pub(in crate::init) const REST: usize = PHASES - 1;
+pub(super) const REST: usize = PHASES - 1;
 
 /// One value for each phase.
-pub(in crate::init) type PerPhase<T> = [T; PHASES];
+pub(super) type PerPhase<T> = [T; PHASES];
 
 /// Set of phases, one bit each.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
-pub(in crate::init) struct PhaseSet(u8);
+pub(super) struct PhaseSet(u8);
 
 impl PhaseSet {
-    pub(in crate::init) fn only(phase: usize) -> PhaseSet {
+    pub(super) fn only(phase: usize) -> PhaseSet {
         PhaseSet(1 << phase)
     }
 
-    pub(in crate::init) fn with(self, other: PhaseSet) -> PhaseSet {
+    pub(super) fn with(self, other: PhaseSet) -> PhaseSet {
         PhaseSet(self.0 | other.0)
     }
 
-    pub(in crate::init) fn and(self, other: PhaseSet) -> PhaseSet {
+    pub(super) fn and(self, other: PhaseSet) -> PhaseSet {
         PhaseSet(self.0 & other.0)
     }
 
     /// Returns the complement of the set.
-    pub(in crate::init) fn others(self) -> PhaseSet {
+    pub(super) fn others(self) -> PhaseSet {
         PhaseSet(!self.0 & ((1 << PHASES) - 1))
     }
 
-    pub(in crate::init) fn meets(self, other: PhaseSet) -> bool {
+    pub(super) fn meets(self, other: PhaseSet) -> bool {
         self.0 & other.0 != 0
     }
 
-    pub(in crate::init) fn is_empty(self) -> bool {
+    pub(super) fn is_empty(self) -> bool {
         self.0 == 0
     }
 
-    pub(in crate::init) fn has(self, phase: usize) -> bool {
+    pub(super) fn has(self, phase: usize) -> bool {
         self.meets(PhaseSet::only(phase))
     }
 
-    pub(in crate::init) fn phases(self) -> impl DoubleEndedIterator<Item = usize> {
+    pub(super) fn phases(self) -> impl DoubleEndedIterator<Item = usize> {
         (0..PHASES).filter(move |phase| self.has(*phase))
     }
 }
 
 /// Activity of a fragment in one phase of its parent.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(in crate::init) enum Active {
+pub(super) enum Active {
     Never,
     Maybe,
     Always,
@@ -61,7 +61,7 @@ pub(in crate::init) enum Active {
 
 impl Active {
     /// Returns the activity that follows from the value of an activation's condition.
-    pub(in crate::init) fn of(condition: &Known) -> Active {
+    pub(super) fn of(condition: &Known) -> Active {
         match (condition, condition.truth()) {
             (Known::Never, _) | (_, Some(false)) => Active::Never,
             (_, Some(true)) => Active::Always,
@@ -71,7 +71,7 @@ impl Active {
 }
 
 /// Returns for each phase of a fragment the phases of its parent in which the fragment can be in that phase.
-pub(in crate::init) fn parents(
+pub(super) fn parents(
     active: &PerPhase<Active>,
     restarts: bool,
     activated: bool,

@@ -10,7 +10,7 @@ use rpi_net::passes::Users;
 use rpi_net::{FragmentId, Input, Net, NodeId, PortRef};
 
 /// Returns whether one of these flows may be read before it is initialised.
-pub(in crate::init) fn doubts(
+pub(super) fn doubts(
     net: &Net,
     rules: &[Rule],
     mut read: impl Iterator<Item = (PortRef, FragmentId)>,

@@ -13,7 +13,7 @@ use std::rc::Rc;
 
 /// Transfer function of a primitive.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(in crate::init) enum Rule {
+pub(super) enum Rule {
     /// Delay of a flow that is not optional: uninitialised in the first phase.
     Delay,
     /// Delay that starts absent, or whose missing initial value has been reported.
@@ -49,7 +49,7 @@ const NAMED: &[(&str, Rule)] = &[
 ];
 
 /// Returns the rules of all nodes. Each primitive is looked up once.
-pub(in crate::init) fn rules(net: &Net) -> Vec<Rule> {
+pub(super) fn rules(net: &Net) -> Vec<Rule> {
     let mut known: Map<PrimId, Rule> = Map::default();
     let nodes = net.nodes.iter();
     let rule = |node: &Node| {
@@ -61,7 +61,7 @@ pub(in crate::init) fn rules(net: &Net) -> Vec<Rule> {
 }
 
 /// Returns whether the condition of a conditional is `first` of its own fragment.
-pub(in crate::init) fn is_by_first(net: &Net, rules: &[Rule], choice: NodeId) -> bool {
+pub(super) fn is_by_first(net: &Net, rules: &[Rule], choice: NodeId) -> bool {
     let node = net.node(choice);
     let condition = node.inputs.first().and_then(Input::port);
     condition.is_some_and(|port| {
@@ -70,7 +70,7 @@ pub(in crate::init) fn is_by_first(net: &Net, rules: &[Rule], choice: NodeId) ->
 }
 
 /// Returns the rule of a node's primitive.
-pub(in crate::init) fn rule(node: &Node) -> Rule {
+pub(super) fn rule(node: &Node) -> Rule {
     of_prim(node.desc())
 }
 
@@ -102,7 +102,7 @@ fn of_prim(desc: &PrimDesc) -> Rule {
 }
 
 /// Computes the abstract value of a node in a phase of its fragment.
-pub(in crate::init) fn apply(rule: Rule, all: &Solution<'_>, id: NodeId, phase: usize) -> Known {
+pub(super) fn apply(rule: Rule, all: &Solution<'_>, id: NodeId, phase: usize) -> Known {
     let input = |k: usize| all.input(id, k, phase).known;
     match rule {
         Rule::First => Known::value(Value::bool(phase == 0)),

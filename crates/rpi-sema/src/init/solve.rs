@@ -13,7 +13,7 @@ use rpi_net::{Activation, FragmentId, Input, Net, NodeId, PortRef, Restart};
 const MAX_IMPLIED: usize = 1000;
 
 /// Abstract values of a net's flows, during and after the iteration.
-pub(in crate::init) struct Solution<'n> {
+pub(super) struct Solution<'n> {
     net: &'n Net,
     known: Vec<PerPhase<Known>>,
     rules: Vec<Rule>,
@@ -26,15 +26,15 @@ pub(in crate::init) struct Solution<'n> {
 }
 
 /// Abstract value of a flow for a reader in another fragment.
-pub(in crate::init) struct Seen {
-    pub(in crate::init) known: Known,
+pub(super) struct Seen {
+    pub(super) known: Known,
     /// Activity of the fragments between the reader and the flow.
-    pub(in crate::init) there: Active,
+    pub(super) there: Active,
 }
 
 impl<'n> Solution<'n> {
     /// Solves the equations of all nodes. Conditions in `claims` are taken as true.
-    pub(in crate::init) fn new(net: &'n Net, rules: Vec<Rule>, claims: &[PortRef]) -> Self {
+    pub(super) fn new(net: &'n Net, rules: Vec<Rule>, claims: &[PortRef]) -> Self {
         let mut solution = Solution {
             net,
             known: vec![std::array::from_fn(|_| Known::Never); net.nodes.len()],
@@ -102,12 +102,12 @@ impl<'n> Solution<'n> {
         crate::init::rules::apply(rule, self, id, phase)
     }
 
-    pub(in crate::init) fn net(&self) -> &'n Net {
+    pub(super) fn net(&self) -> &'n Net {
         self.net
     }
 
     /// Returns the abstract value of a node's input in a phase of the node's fragment.
-    pub(in crate::init) fn input(&self, id: NodeId, input: usize, phase: usize) -> Seen {
+    pub(super) fn input(&self, id: NodeId, input: usize, phase: usize) -> Seen {
         let node = self.net.node(id);
         match &node.inputs[input] {
             Input::Port(port) => self.seen(*port, node.fragment, phase),
@@ -120,7 +120,7 @@ impl<'n> Solution<'n> {
     }
 
     /// Returns the abstract value of a flow for a reader in a phase of fragment `from`.
-    pub(in crate::init) fn seen(&self, port: PortRef, from: FragmentId, phase: usize) -> Seen {
+    pub(super) fn seen(&self, port: PortRef, from: FragmentId, phase: usize) -> Seen {
         let source = self.net.node(port.node).fragment;
         let known = &self.known[port.node.index()];
         if source == from {
@@ -196,11 +196,7 @@ impl<'n> Solution<'n> {
     }
 
     /// Returns the condition under which the fragment of a flow is active, if it is a child of the reader's fragment.
-    pub(in crate::init) fn condition_of(
-        &self,
-        port: PortRef,
-        reader: FragmentId,
-    ) -> Option<Condition> {
+    pub(super) fn condition_of(&self, port: PortRef, reader: FragmentId) -> Option<Condition> {
         let fragment = self.net.fragment(self.net.node(port.node).fragment);
         match fragment.activation {
             Activation::When { condition, .. } if fragment.parent == Some(reader) => {
@@ -211,12 +207,12 @@ impl<'n> Solution<'n> {
     }
 
     /// Returns the rule of a node.
-    pub(in crate::init) fn rule_of(&self, id: NodeId) -> Rule {
+    pub(super) fn rule_of(&self, id: NodeId) -> Rule {
         self.rules[id.index()]
     }
 
     /// Strips the negations from a condition.
-    pub(in crate::init) fn plain(&self, port: PortRef, value: bool) -> Condition {
+    pub(super) fn plain(&self, port: PortRef, value: bool) -> Condition {
         let (mut port, mut value) = (port, value);
         while self.rules[port.node.index()] == Rule::Not {
             let Some(inner) = self.net.node(port.node).inputs[0].port() else {
@@ -228,7 +224,7 @@ impl<'n> Solution<'n> {
     }
 
     /// Returns the conditions that hold if a condition has this value, including itself.
-    pub(in crate::init) fn implied(&self, port: PortRef, value: bool) -> Vec<Condition> {
+    pub(super) fn implied(&self, port: PortRef, value: bool) -> Vec<Condition> {
         let (mut all, mut open) = (Vec::new(), vec![self.plain(port, value)]);
         let mut seen = Set::default();
         while let Some((port, value)) = open.pop() {
@@ -300,7 +296,7 @@ impl Seen {
 }
 
 /// Returns the phases whose last value a delay outputs in a phase.
-pub(in crate::init) fn before(phase: usize) -> &'static [usize] {
+pub(super) fn before(phase: usize) -> &'static [usize] {
     const BEFORE: PerPhase<&[usize]> = [&[], &[0], &[1], &[2], &[REST - 1, REST]];
     BEFORE[phase]
 }

@@ -40,7 +40,7 @@ fn order(net: &Net) -> Vec<u32> {
 }
 
 /// Worklist of nodes, sources first: all of them once, then those that were added again.
-pub(in crate::init) struct Agenda {
+pub(super) struct Agenda {
     order: Vec<u32>,
     sorted: Vec<NodeId>,
     /// Number of nodes of the first round that have been returned.
@@ -51,7 +51,7 @@ pub(in crate::init) struct Agenda {
 }
 
 impl Agenda {
-    pub(in crate::init) fn all(net: &Net) -> Self {
+    pub(super) fn all(net: &Net) -> Self {
         let order = order(net);
         let mut sorted = vec![NodeId(0); net.nodes.len()];
         for id in net.node_ids() {
@@ -66,7 +66,7 @@ impl Agenda {
         }
     }
 
-    pub(in crate::init) fn next(&mut self) -> Option<NodeId> {
+    pub(super) fn next(&mut self) -> Option<NodeId> {
         let earlier = self.again.peek().is_some_and(|place| place.0 < self.done);
         if !earlier && (self.done as usize) < self.sorted.len() {
             self.done += 1;
@@ -78,7 +78,7 @@ impl Agenda {
     }
 
     /// Queues nodes again. Nodes that the first round has still to return are not queued.
-    pub(in crate::init) fn add(&mut self, nodes: &[NodeId]) {
+    pub(super) fn add(&mut self, nodes: &[NodeId]) {
         for id in nodes {
             let place = self.order[id.index()];
             if place < self.done && !std::mem::replace(&mut self.waits[place as usize], true) {
@@ -89,7 +89,7 @@ impl Agenda {
 }
 
 /// Dependents of nodes and fragments.
-pub(in crate::init) struct Readers {
+pub(super) struct Readers {
     of: Users,
     activated_by: Map<NodeId, Vec<FragmentId>>,
     /// For each fragment, the nodes that read across its border.
@@ -97,7 +97,7 @@ pub(in crate::init) struct Readers {
 }
 
 impl Readers {
-    pub(in crate::init) fn new(net: &Net) -> Self {
+    pub(super) fn new(net: &Net) -> Self {
         let mut readers = Readers {
             of: Users::new(net),
             activated_by: Map::default(),
@@ -128,15 +128,15 @@ impl Readers {
         }
     }
 
-    pub(in crate::init) fn of(&self, id: NodeId) -> &[NodeId] {
+    pub(super) fn of(&self, id: NodeId) -> &[NodeId] {
         self.of.of(id)
     }
 
-    pub(in crate::init) fn activated_by(&self, id: NodeId) -> &[FragmentId] {
+    pub(super) fn activated_by(&self, id: NodeId) -> &[FragmentId] {
         self.activated_by.get(&id).map_or(&[], Vec::as_slice)
     }
 
-    pub(in crate::init) fn across(&self, fragment: FragmentId) -> &[NodeId] {
+    pub(super) fn across(&self, fragment: FragmentId) -> &[NodeId] {
         &self.across[fragment.index()]
     }
 }

@@ -17,45 +17,45 @@ pub struct Reference {
 
 /// Index of a scope.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(in crate::query) struct ScopeId(pub(in crate::query) u32);
+pub(super) struct ScopeId(pub(super) u32);
 
 /// Scope of names.
 #[derive(Debug)]
-pub(in crate::query) struct Scope {
+pub(super) struct Scope {
     /// Source range of the scope; for a module, its whole first file.
-    pub(in crate::query) span: Span,
+    pub(super) span: Span,
     /// Enclosing scope.
-    pub(in crate::query) parent: Option<ScopeId>,
+    pub(super) parent: Option<ScopeId>,
     /// Definition whose inner scope this is.
-    pub(in crate::query) owner: Option<DefId>,
+    pub(super) owner: Option<DefId>,
     /// Definitions of the names in the scope.
-    pub(in crate::query) names: Map<Name, DefId>,
+    pub(super) names: Map<Name, DefId>,
     /// Definitions in text order.
-    pub(in crate::query) order: Vec<DefId>,
+    pub(super) order: Vec<DefId>,
     /// Scopes of the modules that a module uses, for names that no enclosing scope defines.
-    pub(in crate::query) uses: Vec<ScopeId>,
+    pub(super) uses: Vec<ScopeId>,
 }
 
 /// Inner scopes of a definition.
 #[derive(Clone, Copy, Default, Debug)]
-pub(in crate::query) struct Inside {
+pub(super) struct Inside {
     /// Scope that contains the members.
-    pub(in crate::query) members: Option<ScopeId>,
+    pub(super) members: Option<ScopeId>,
     /// Scope that contains the parameters.
-    pub(in crate::query) parameters: Option<ScopeId>,
+    pub(super) parameters: Option<ScopeId>,
 }
 
 /// Every definition and reference of a program.
 #[derive(Debug)]
 pub struct Index {
-    pub(in crate::query) defs: Vec<Def>,
+    pub(super) defs: Vec<Def>,
     /// References in text order.
-    pub(in crate::query) references: Vec<Reference>,
-    pub(in crate::query) scopes: Vec<Scope>,
+    pub(super) references: Vec<Reference>,
+    pub(super) scopes: Vec<Scope>,
     /// Inner scopes of each definition.
-    pub(in crate::query) inside: Vec<Inside>,
+    pub(super) inside: Vec<Inside>,
     /// Scope of the module of each file.
-    pub(in crate::query) files: Vec<(FileId, ScopeId)>,
+    pub(super) files: Vec<(FileId, ScopeId)>,
 }
 
 impl Index {
@@ -165,7 +165,7 @@ impl Index {
         order.iter().copied().filter(is_parameter).collect()
     }
 
-    pub(in crate::query) fn inside(&self, def: DefId) -> Inside {
+    pub(super) fn inside(&self, def: DefId) -> Inside {
         self.inside[def.0 as usize]
     }
 
@@ -178,7 +178,7 @@ impl Index {
     }
 
     /// Returns the definition that has the members: the shape of a value, else the definition itself.
-    pub(in crate::query) fn with_members(&self, def: DefId) -> Option<DefId> {
+    pub(super) fn with_members(&self, def: DefId) -> Option<DefId> {
         let shape = self.def(def).shape;
         shape.or_else(|| (!self.def(def).kind.is_value()).then_some(def))
     }
@@ -188,12 +188,12 @@ impl Index {
         kind.is_some_and(|owner| self.def(id).kind.is_member_of(owner))
     }
 
-    pub(in crate::query) fn scope(&self, id: ScopeId) -> &Scope {
+    pub(super) fn scope(&self, id: ScopeId) -> &Scope {
         &self.scopes[id.0 as usize]
     }
 
     /// Resolves a name in a scope.
-    pub(in crate::query) fn lookup(&self, scope: ScopeId, name: &str) -> Option<DefId> {
+    pub(super) fn lookup(&self, scope: ScopeId, name: &str) -> Option<DefId> {
         let mut scopes = self.chain(Some(scope)).into_iter();
         let plain = scopes.find_map(|id| self.scope(id).names.get(name).copied());
         plain.or_else(|| self.qualified(scope, name))

@@ -129,7 +129,7 @@ pub const UNITS: &[UnitRow] = &[
 ];
 
 /// Other names and spellings of units, each with the unit to suggest.
-pub(in crate::units) const OTHERWISE: &[(&str, &str)] = &[
+pub(super) const OTHERWISE: &[(&str, &str)] = &[
     ("meter", "m"),
     ("metre", "m"),
     ("meters", "m"),
@@ -188,7 +188,7 @@ pub(in crate::units) const OTHERWISE: &[(&str, &str)] = &[
 
 /// SI prefixes.
 #[rustfmt::skip]
-pub(in crate::units) const PREFIXES: &[(&str, Factor)] = &[
+pub(super) const PREFIXES: &[(&str, Factor)] = &[
     ("da", Factor { num: 10.0, den: 1.0 }),
     ("h", Factor { num: 1e2, den: 1.0 }),
     ("k", Factor { num: 1e3, den: 1.0 }),

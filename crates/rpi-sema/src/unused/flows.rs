@@ -13,7 +13,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// Returns a warning for each local flow that nothing reads, in any instance of its unit. A leading `_` in the name
 /// suppresses the warning.
-pub(in crate::unused) fn unread(program: &Program<'_>, units: &[Unit]) -> Vec<Finding> {
+pub(super) fn unread(program: &Program<'_>, units: &[Unit]) -> Vec<Finding> {
     let decls = program.root().decls.iter();
     let own: Set<Span> = decls.map(|id| program.decl(*id).span).collect();
     let of_tasks = |unit: &Unit| matches!(unit.kind, UnitKind::Task | UnitKind::Constant);

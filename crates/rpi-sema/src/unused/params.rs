@@ -21,7 +21,7 @@ impl<'a> Visit<'a> for Unread<'a> {
 
 /// Returns a warning for each parameter and in-port that a declaration does not read. A leading `_` in the name
 /// suppresses the warning.
-pub(in crate::unused) fn unread(decl: &Decl<'_>) -> Vec<Finding> {
+pub(super) fn unread(decl: &Decl<'_>) -> Vec<Finding> {
     let mut left = parameters(decl.kind);
     left.retain(|(name, _)| !name.name.starts_with('_'));
     let mut left = Unread(left);

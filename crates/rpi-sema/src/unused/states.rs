@@ -21,7 +21,7 @@ impl<'a> Visit<'a> for Unreached {
 }
 
 /// Returns a warning for each unreachable state. A state that only follows another unreachable state is not reported.
-pub(in crate::unused) fn unreached(kind: DeclKind<'_>) -> Vec<Finding> {
+pub(super) fn unreached(kind: DeclKind<'_>) -> Vec<Finding> {
     let mut found = Unreached(Vec::new());
     walk(kind, &mut found);
     found.0

@@ -7,11 +7,7 @@ use rpi_syntax::Name;
 use rpi_syntax::ast::{Ident, Next, OnResult, Run, Step, StepKind, TaskDecl};
 
 /// Returns a warning for each unreachable step. A step that only follows another unreachable step is not reported.
-pub(in crate::unused) fn unreached(
-    program: &Program<'_>,
-    module: ModuleId,
-    task: &TaskDecl,
-) -> Vec<Finding> {
+pub(super) fn unreached(program: &Program<'_>, module: ModuleId, task: &TaskDecl) -> Vec<Finding> {
     let mut steps = Steps {
         program,
         module,

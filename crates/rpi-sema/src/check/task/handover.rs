@@ -16,7 +16,7 @@ use rpi_syntax::Name;
 use rpi_syntax::ast::{Next, Run};
 
 /// Steps that may run before a step.
-pub(in crate::check::task) enum Before<'a> {
+pub(super) enum Before<'a> {
     /// None: the step may be the first one.
     Nothing,
     /// This step.
@@ -27,10 +27,10 @@ pub(in crate::check::task) enum Before<'a> {
 }
 
 /// A step, and the steps that may run before it.
-pub(in crate::check::task) type Follows<'a> = (Before<'a>, &'a Run);
+pub(super) type Follows<'a> = (Before<'a>, &'a Run);
 
 /// Returns the steps that may directly follow a step.
-pub(in crate::check::task) fn followers<'a>(
+pub(super) fn followers<'a>(
     run: &'a Run,
     next: &Then<'a>,
     labels: &Labels<'a>,
@@ -58,7 +58,7 @@ struct Taken {
 
 /// Checks that the values which commands take over are provided; reports each missing value once for a step.
 /// Whether a provided value may be absent is checked later.
-pub(in crate::check::task) fn check_handover<'a>(cx: &mut Body<'_, 'a>, follows: &[Follows<'a>]) {
+pub(super) fn check_handover<'a>(cx: &mut Body<'_, 'a>, follows: &[Follows<'a>]) {
     let mut told: Vec<(Span, Name)> = Vec::new();
     for (before, run) in follows {
         let Some(step) = task_step_of(cx, run).filter(|step| is_command_step(cx, *step)) else {
@@ -124,7 +124,7 @@ fn sources_from_all(
 }
 
 /// Returns the unit of the command that a step runs; `None` for a task, and before the arguments are known.
-pub(in crate::check::task) fn command_of(cx: &Body<'_, '_>, run: &Run) -> Option<UnitId> {
+pub(super) fn command_of(cx: &Body<'_, '_>, run: &Run) -> Option<UnitId> {
     let step = task_step_of(cx, run).filter(|step| is_command_step(cx, *step))?;
     Some(cx.unit.steps[step].unit)
 }

@@ -39,7 +39,7 @@ struct Clash {
 }
 
 /// Checks that parallel branches drive different devices.
-pub(in crate::check::task) fn check_parallel_devices(cx: &mut Body<'_, '_>, task: &TaskDecl) {
+pub(super) fn check_parallel_devices(cx: &mut Body<'_, '_>, task: &TaskDecl) {
     let mut looked = Looked {
         program: cx.checker.program,
         known: &mut cx.checker.task_uses,

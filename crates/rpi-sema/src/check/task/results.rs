@@ -10,7 +10,7 @@ use rpi_syntax::Name;
 use rpi_syntax::ast::{self, CommandDecl, EndKind, Ident, OnResult, Run};
 
 /// Reports branches that name a result of a task, which has no named results.
-pub(in crate::check::task) fn report_task_results(cx: &mut Body<'_, '_>, run: &Run) {
+pub(super) fn report_task_results(cx: &mut Body<'_, '_>, run: &Run) {
     let of = format!("the task `{}`", run.callee.name.name);
     for result in run.branches.iter().flat_map(|branch| &branch.on) {
         if let OnResult::Named(name) = result {
@@ -22,11 +22,7 @@ pub(in crate::check::task) fn report_task_results(cx: &mut Body<'_, '_>, run: &R
 }
 
 /// Checks that the branches of a step name results of the command, and that every result leads somewhere.
-pub(in crate::check::task) fn check_branches(
-    cx: &mut Body<'_, '_>,
-    command: &CommandDecl,
-    run: &Run,
-) {
+pub(super) fn check_branches(cx: &mut Body<'_, '_>, command: &CommandDecl, run: &Run) {
     let ends = ends_of(command);
     let mut named: Vec<&Ident> = Vec::new();
     let mut any = run.branches.is_empty();

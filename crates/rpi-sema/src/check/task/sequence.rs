@@ -3,7 +3,7 @@
 use rpi_syntax::ast::{Next, Run, Step, StepKind};
 
 /// Returns the command or task that a step runs; `None` for other steps.
-pub(in crate::check::task) fn run_of(step: &Step) -> Option<&Run> {
+pub(super) fn run_of(step: &Step) -> Option<&Run> {
     match &step.kind {
         StepKind::Run(run) => Some(run),
         _ => None,
@@ -11,7 +11,7 @@ pub(in crate::check::task) fn run_of(step: &Step) -> Option<&Run> {
 }
 
 /// Returns the steps with which a list begins; several if it begins with parallel branches.
-pub(in crate::check::task) fn first_of(steps: &[Step]) -> Vec<&Run> {
+pub(super) fn first_of(steps: &[Step]) -> Vec<&Run> {
     let start = steps.iter().find_map(|step| match &step.kind {
         StepKind::Start(label) => Some(&label.name),
         _ => None,
@@ -30,7 +30,7 @@ pub(in crate::check::task) fn first_of(steps: &[Step]) -> Vec<&Run> {
 }
 
 /// Returns the commands or tasks that a step runs first.
-pub(in crate::check::task) fn entry_of(step: &Step) -> Vec<&Run> {
+pub(super) fn entry_of(step: &Step) -> Vec<&Run> {
     match &step.kind {
         StepKind::Repeat { steps, .. } => first_of(steps),
         StepKind::Parallel(strands) => strands.iter().flat_map(|s| first_of(&s.steps)).collect(),
@@ -39,7 +39,7 @@ pub(in crate::check::task) fn entry_of(step: &Step) -> Vec<&Run> {
 }
 
 /// Returns the steps with which a list can end: the last one, and those with a branch to `end`.
-pub(in crate::check::task) fn lasts(steps: &[Step]) -> Vec<&Run> {
+pub(super) fn lasts(steps: &[Step]) -> Vec<&Run> {
     let ends = |run: &&Run| run.branches.iter().any(|b| matches!(b.then, Next::End(_)));
     let mut all: Vec<&Run> = steps.iter().filter_map(run_of).filter(ends).collect();
     match steps.last().map(|step| &step.kind) {

@@ -18,7 +18,7 @@ use rpi_syntax::ast::{
 };
 
 /// Checks that the successors of a `yield` take over every device that may still be moving.
-pub(in crate::check::task) fn check_successors<'a>(
+pub(super) fn check_successors<'a>(
     cx: &mut Body<'_, 'a>,
     command: &CommandDecl,
     run: &'a Run,
@@ -114,7 +114,7 @@ fn target<'a>(run: &'a Run, result: &Name, next: &[&'a Run], labels: &Labels<'a>
 }
 
 /// Returns the parameters of a command through which it writes to devices.
-pub(in crate::check::task) fn driven(command: &CommandDecl) -> Vec<&Name> {
+pub(super) fn driven(command: &CommandDecl) -> Vec<&Name> {
     let mut written = Vec::new();
     targets(&command.body.statements, &mut written);
     let params = command.params.iter().flat_map(|param| &param.names);

@@ -9,7 +9,7 @@ use rpi_syntax::ast::{
 };
 
 impl<'a> Builder<'a> {
-    pub(in crate::query::build) fn body(&mut self, scope: ScopeId, body: &'a Body) {
+    pub(super) fn body(&mut self, scope: ScopeId, body: &'a Body) {
         let whole = self.index.scope(scope).span;
         self.locals(scope, whole, &body.locals);
         for statement in &body.statements {

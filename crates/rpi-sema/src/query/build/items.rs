@@ -9,7 +9,7 @@ use rpi_syntax::ast::{
 };
 
 impl<'a> Builder<'a> {
-    pub(in crate::query::build) fn items(&mut self, source: &Source<'a>, scope: ScopeId) {
+    pub(super) fn items(&mut self, source: &Source<'a>, scope: ScopeId) {
         for file in &source.files {
             self.mode = file.mode;
             for item in &file.items {
@@ -77,7 +77,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    pub(in crate::query::build) fn constant(&mut self, at: At<'a>, def: &'a ConstDef) {
+    pub(super) fn constant(&mut self, at: At<'a>, def: &'a ConstDef) {
         self.constants(at.within(def.span, def.doc.as_ref()), def, DefKind::Const);
     }
 
@@ -269,12 +269,7 @@ impl<'a> Builder<'a> {
     }
 
     /// Defines ports, parameters or fields.
-    pub(in crate::query::build) fn vars(
-        &mut self,
-        scope: ScopeId,
-        decls: &'a [VarDecl],
-        kind: DefKind,
-    ) {
+    pub(super) fn vars(&mut self, scope: ScopeId, decls: &'a [VarDecl], kind: DefKind) {
         for decl in decls {
             let at = At {
                 scope,
@@ -293,11 +288,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    pub(in crate::query::build) fn contract(
-        &mut self,
-        scope: ScopeId,
-        contract: Option<&'a Contract>,
-    ) {
+    pub(super) fn contract(&mut self, scope: ScopeId, contract: Option<&'a Contract>) {
         let Some(contract) = contract else {
             return;
         };
@@ -313,12 +304,7 @@ impl<'a> Builder<'a> {
         self.exprs(scope, contract.imports.iter().map(|import| &import.call));
     }
 
-    pub(in crate::query::build) fn locals(
-        &mut self,
-        scope: ScopeId,
-        whole: rpi_diag::Span,
-        all: &'a [Locals],
-    ) {
+    pub(super) fn locals(&mut self, scope: ScopeId, whole: rpi_diag::Span, all: &'a [Locals]) {
         let at = At {
             scope,
             whole,

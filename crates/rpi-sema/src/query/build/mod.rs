@@ -20,7 +20,7 @@ use rpi_syntax::ast::{Body, Callee, Clock, Doc, Dotted, Expr, Ident, Run, Target
 use shapes::Shapes;
 
 /// Builds the table of a program.
-pub(in crate::query) fn build<'a>(program: &Program<'a>, sources: &[Source<'a>]) -> Index {
+pub(super) fn build<'a>(program: &Program<'a>, sources: &[Source<'a>]) -> Index {
     let mut builder = Builder::new();
     let scopes: Vec<ScopeId> = sources
         .iter()

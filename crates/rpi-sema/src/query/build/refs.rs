@@ -13,7 +13,7 @@ use rpi_syntax::ast::{
 
 impl<'a> Builder<'a> {
     /// Resolves everything on the worklist and computes the shape of every definition.
-    pub(in crate::query::build) fn work_off(&mut self) {
+    pub(super) fn work_off(&mut self) {
         for (scope, work) in std::mem::take(&mut self.work) {
             match work {
                 Work::Expr(expr) => self.expr(scope, expr),
@@ -308,7 +308,7 @@ impl<'a> Builder<'a> {
     }
 
     /// Returns whether definitions of this kind have members of their own, rather than those of their shape.
-    pub(in crate::query::build) fn has_own_members(kind: DefKind) -> bool {
+    pub(super) fn has_own_members(kind: DefKind) -> bool {
         use DefKind::{Block, Command, State};
         matches!(kind, Block | State | Command)
     }

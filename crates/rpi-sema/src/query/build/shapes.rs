@@ -13,31 +13,26 @@ const MAX_DEPTH: u32 = 100;
 
 /// Origins of shapes, and the shapes found so far.
 #[derive(Default)]
-pub(in crate::query::build) struct Shapes<'a> {
+pub(super) struct Shapes<'a> {
     origins: Map<DefId, (ScopeId, Origin<'a>)>,
     known: Map<DefId, Option<DefId>>,
     depth: u32,
 }
 
 impl<'a> Shapes<'a> {
-    pub(in crate::query::build) fn set(&mut self, def: DefId, scope: ScopeId, origin: Origin<'a>) {
+    pub(super) fn set(&mut self, def: DefId, scope: ScopeId, origin: Origin<'a>) {
         self.origins.insert(def, (scope, origin));
     }
 
     /// Sets the origin of a flow unless it has one. A flow with several definitions has the shape of the first.
-    pub(in crate::query::build) fn set_if_open(
-        &mut self,
-        def: DefId,
-        scope: ScopeId,
-        origin: Origin<'a>,
-    ) {
+    pub(super) fn set_if_open(&mut self, def: DefId, scope: ScopeId, origin: Origin<'a>) {
         self.origins.entry(def).or_insert((scope, origin));
     }
 }
 
 impl<'a> Builder<'a> {
     /// Returns the definition whose members a definition has, if it is another one.
-    pub(in crate::query::build) fn shape(&mut self, def: DefId) -> Option<DefId> {
+    pub(super) fn shape(&mut self, def: DefId) -> Option<DefId> {
         if let Some(known) = self.shapes.known.get(&def) {
             return *known;
         }
@@ -62,7 +57,7 @@ impl<'a> Builder<'a> {
     }
 
     /// Returns the definition whose members are read as `definition.name`.
-    pub(in crate::query::build) fn owner_behind(&mut self, def: DefId) -> Option<DefId> {
+    pub(super) fn owner_behind(&mut self, def: DefId) -> Option<DefId> {
         match Self::has_own_members(self.index.def(def).kind) {
             true => Some(def),
             false => self.shape(def),
@@ -70,11 +65,7 @@ impl<'a> Builder<'a> {
     }
 
     /// Returns the definition whose members are read as `expression.name`.
-    pub(in crate::query::build) fn owner_of(
-        &mut self,
-        scope: ScopeId,
-        expr: &'a Expr,
-    ) -> Option<DefId> {
+    pub(super) fn owner_of(&mut self, scope: ScopeId, expr: &'a Expr) -> Option<DefId> {
         match &expr.kind {
             ExprKind::Name(name) => {
                 let def = self.index.lookup(scope, name)?;
@@ -140,19 +131,19 @@ impl<'a> Builder<'a> {
     }
 
     /// Returns the struct or device type behind type aliases.
-    pub(in crate::query::build) fn type_behind(&mut self, ty: DefId) -> DefId {
+    pub(super) fn type_behind(&mut self, ty: DefId) -> DefId {
         self.shape(ty).unwrap_or(ty)
     }
 
     /// Resolves an alias: for `node f = g<<3>>;` returns g.
-    pub(in crate::query::build) fn callable_behind(&mut self, def: DefId) -> DefId {
+    pub(super) fn callable_behind(&mut self, def: DefId) -> DefId {
         match self.index.def(def).kind.is_callable() {
             true => self.shape(def).unwrap_or(def),
             false => def,
         }
     }
 
-    pub(in crate::query::build) fn member_named(&self, owner: DefId, name: &str) -> Option<DefId> {
+    pub(super) fn member_named(&self, owner: DefId, name: &str) -> Option<DefId> {
         let scope = self.index.inside(owner).members?;
         let found = *self.index.scope(scope).names.get(name)?;
         let kind = self.index.def(owner).kind;
