@@ -71,7 +71,7 @@ pub(super) fn absent_leaves(
 
 /// Returns the port of one element of an array port. The element is extracted once, in the fragment of the array.
 pub(super) fn elab_element(elab: &mut Elab<'_>, array: PortRef, k: u32, span: Span) -> PortRef {
-    if let Some(port) = elab.elements.get(&(array, k)) {
+    if let Some(port) = elab.cache.elements.get(&(array, k)) {
         return *port;
     }
     let source = elab.net.node(array.node);
@@ -81,7 +81,7 @@ pub(super) fn elab_element(elab: &mut Elab<'_>, array: PortRef, k: u32, span: Sp
     );
     let port = ty.and_then(|ty| extract_element(elab, array, ty, k, At::fragment(fragment), span));
     let port = port.unwrap_or(array);
-    elab.elements.insert((array, k), port);
+    elab.cache.elements.insert((array, k), port);
     port
 }
 

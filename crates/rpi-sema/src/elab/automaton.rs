@@ -189,7 +189,7 @@ fn check_transitions<'u>(
             None => target,
             Some(_) => select_next(elab, &condition, target, next, at, choice.automaton),
         };
-        if elab.tells_landmarks {
+        if elab.records_coverage {
             exits.push((condition, transition.span));
         }
     }

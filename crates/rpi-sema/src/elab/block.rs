@@ -127,15 +127,15 @@ fn elab_block_content<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>, block: Blo
 
 /// Sets the flow after which the following nodes are named.
 pub(super) fn set_node_name(elab: &mut Elab<'_>, name: &str) {
-    name.clone_into(&mut elab.name);
-    elab.serial = 0;
-    elab.top = None;
+    name.clone_into(&mut elab.naming.name);
+    elab.naming.serial = 0;
+    elab.naming.top_expr = None;
 }
 
 fn elab_equation<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>, equation: &'u Equation, at: At) {
     set_node_name(elab, &scope.prefix);
-    push_target_name(&mut elab.name, scope.unit, equation);
-    elab.top = Some(equation.value);
+    push_target_name(&mut elab.naming.name, scope.unit, equation);
+    elab.naming.top_expr = Some(equation.value);
     let before = elab.net.nodes.len();
     let taken = equation.targets.iter().map(|t| t.ty.leaf_count());
     let taken = taken.sum::<usize>().max(1);
@@ -145,9 +145,9 @@ fn elab_equation<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>, equation: &'u E
     if elab.mode == Mode::Steps || elab.mode == Mode::Net && stays(scope.unit, equation) {
         wire = insert_copies(elab, &wire, scope.unit.expr(equation.value), at);
     }
-    let path = std::mem::take(&mut elab.name);
+    let path = std::mem::take(&mut elab.naming.name);
     name_results(elab, &path, equation, &wire, before);
-    elab.name = path;
+    elab.naming.name = path;
     flows::define_all(elab, scope, equation, &wire);
     let mut first = 0;
     for target in &equation.targets {

@@ -24,7 +24,7 @@ use rpi_image::{Scalar, Value};
 use rpi_net::{self as net, Absent, Fragment, FragmentId, Origin, PortRef, Restart};
 
 /// A call that does not run in all cycles.
-pub(crate) struct Run {
+pub(super) struct Run {
     /// Condition under which the call runs.
     pub(super) every: Signal,
     /// Results of the call when it runs, and their defaults before its first run.
@@ -77,7 +77,7 @@ pub(super) fn elab_call<'u>(
             let every = expr::elab_operand(elab, scope, [id, *every], at.unguarded());
             let restart = restart.map(|restart| [id, restart]);
             let inner = condact::condact_fragment(elab, scope, &every, restart, &path, at, span);
-            elab.keeps_results = !scope.unit.is_lustre;
+            elab.inlining.keeps_results = !scope.unit.is_lustre;
             let result = results_of(elab, scope, call, (id, &args), At::fragment(inner), path);
             let result = fragment_outputs::gate_wire(elab, &result, inner, at.fragment);
             let default = default
@@ -134,7 +134,7 @@ fn results_of<'u>(
 ) -> Wire {
     let span = scope.unit.expr(id).span;
     let wire = inline_unit(elab, call.unit, args, at, path, span);
-    let exposed = std::mem::take(&mut elab.exposed);
+    let exposed = std::mem::take(&mut elab.inlining.exposed_deciders);
     sampled_flows::bind_exposed(elab, scope, id, exposed);
     wire
 }
@@ -157,11 +157,11 @@ fn argument<'u>(
 /// Returns the path for the nodes of an expression: the name of the flow if the expression is the flow's whole
 /// value, else a numbered name.
 fn elab_path(elab: &mut Elab<'_>, id: ExprId) -> String {
-    if elab.top == Some(id) {
-        return elab.name.clone();
+    if elab.naming.top_expr == Some(id) {
+        return elab.naming.name.clone();
     }
-    elab.serial += 1;
-    format!("{}#{}", elab.name, elab.serial - 1)
+    elab.naming.serial += 1;
+    format!("{}#{}", elab.naming.name, elab.naming.serial - 1)
 }
 
 /// Returns the activation by a condition; `Always` for the constant `true`.
@@ -218,20 +218,24 @@ pub(super) fn inline_unit(
     span: Span,
 ) -> Wire {
     let unit = &elab.units[id.0 as usize];
-    if elab.calling.len() >= MAX_DEPTH {
+    if elab.inlining.call_stack.len() >= MAX_DEPTH {
         return report_too_deep(elab, id, span);
     }
     node_budget::credit_text(elab, id);
     if !node_budget::charge_call(elab, span) {
         return crate::elab::signal::nothing();
     }
-    elab.calling.push(id);
-    let outer = (std::mem::take(&mut elab.name), elab.serial, elab.top);
-    let entered = std::mem::replace(&mut elab.entered, at.guard);
+    elab.inlining.call_stack.push(id);
+    let outer = (
+        std::mem::take(&mut elab.naming.name),
+        elab.naming.serial,
+        elab.naming.top_expr,
+    );
+    let entered = std::mem::replace(&mut elab.inlining.guard, at.guard);
     let result = inline_body(elab, unit, id, args, at, path, span);
-    (elab.name, elab.serial, elab.top) = outer;
-    elab.entered = entered;
-    elab.calling.pop();
+    (elab.naming.name, elab.naming.serial, elab.naming.top_expr) = outer;
+    elab.inlining.guard = entered;
+    elab.inlining.call_stack.pop();
     result
 }
 
@@ -248,7 +252,7 @@ fn inline_body<'u>(
         // A node runs cycle by cycle; only functions can be evaluated at compile time.
         return elab.fail(NotConstant::Flow(span));
     }
-    let keeps_results = std::mem::take(&mut elab.keeps_results);
+    let keeps_results = std::mem::take(&mut elab.inlining.keeps_results);
     coverage_points::record_call(elab, unit);
     let mut scope = Scope::new(unit, id);
     scope.called = Some(span);
@@ -258,7 +262,7 @@ fn inline_body<'u>(
     } else {
         format!("{path}.")
     };
-    elab.name.clone_from(&path);
+    elab.naming.name.clone_from(&path);
     let at = match guards::is_stateless_expr(elab, id) {
         true => at,
         false => at.unguarded(),
@@ -283,7 +287,7 @@ fn inline_body<'u>(
     let around = std::mem::replace(&mut scope.base, inner.fragment);
     let leaves = outputs_of(elab, &mut scope, is_lifted, span);
     scope.base = around;
-    elab.exposed = match elab.mode {
+    elab.inlining.exposed_deciders = match elab.mode {
         Mode::Constant => Vec::new(),
         _ => sampled_flows::exposed_deciders(elab, &mut scope, id, span),
     };
@@ -352,7 +356,7 @@ pub(super) fn connect<'u>(
 /// Reports calls that are nested too deeply: infinite recursion of one instance, or a long chain of calls.
 fn report_too_deep(elab: &mut Elab<'_>, id: UnitId, span: Span) -> Wire {
     let unit = &elab.units[id.0 as usize];
-    let message = match elab.calling.contains(&id) {
+    let message = match elab.inlining.call_stack.contains(&id) {
         true => format!("`{}` is infinitely recursive", unit.name),
         false => format!("calls are nested more than {MAX_DEPTH} deep"),
     };
@@ -377,6 +381,6 @@ pub(super) fn report_failure(elab: &mut Elab<'_>, finding: Finding, span: Span) 
 /// Binds an alias to its signal, unless it is bound already.
 pub(super) fn bind_alias(elab: &mut Elab<'_>, port: PortRef, signal: &Signal) {
     if let Some(alias) = crate::elab::signal::alias_of(port) {
-        elab.aliases[alias].get_or_insert_with(|| signal.clone());
+        elab.aliases.signals[alias].get_or_insert_with(|| signal.clone());
     }
 }

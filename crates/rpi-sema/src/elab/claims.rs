@@ -91,7 +91,7 @@ fn export_claim<'u>(
     let key = claim_key(elab.net.claims.len() + 1);
     let condition = presence::imply_guard(elab, condition, at, claim.span);
     let port = external_ports::export_port(elab, &key, &condition, &Ty::Bool, at, claim.span);
-    elab.watched.extend(port);
+    elab.kept_exports.extend(port);
     let mut parts = Vec::new();
     parts_of(scope, claim.condition, &mut parts);
     let reads = parts
@@ -151,7 +151,7 @@ fn export_part<'u>(
         let key = read_key(claim, &name);
         let port = external_ports::export_port(elab, &key, signal, &ty, At::ROOT, expr.span);
         let ty = crate::check::outside_type(&ty).0;
-        elab.watched.extend(port);
+        elab.kept_exports.extend(port);
         reads.push(ClaimRead {
             values: match &ty {
                 Ty::Enum(e) => e.values.iter().map(ToString::to_string).collect(),

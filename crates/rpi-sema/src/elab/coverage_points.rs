@@ -39,7 +39,7 @@ fn own_name(name: &mut String, inside: FragmentId, known: &mut Known) {
 
 /// Records that a unit is called.
 pub(super) fn record_call(elab: &mut Elab<'_>, unit: &Unit) {
-    if elab.tells_landmarks {
+    if elab.records_coverage {
         elab.net.landmarks.called.push(unit.span);
     }
 }
@@ -51,7 +51,7 @@ pub(super) fn record_choice(
     at: At,
     span: Span,
 ) -> [Option<Side>; 2] {
-    if !elab.tells_landmarks {
+    if !elab.records_coverage {
         return [at.side; 2];
     }
     let condition = arrays::one_input(elab, condition, Scalar::Bool, at, span);
@@ -74,7 +74,7 @@ pub(super) fn record_transitions(
     automaton: Span,
     at: At,
 ) {
-    if !elab.tells_landmarks {
+    if !elab.records_coverage {
         return;
     }
     let here = arrays::one_input(elab, here, Scalar::Bool, at, automaton);

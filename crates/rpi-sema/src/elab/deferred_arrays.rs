@@ -30,7 +30,7 @@ pub(super) fn defer_array(
 ) -> PortRef {
     // The alias refers to a whole array, so its type as a leaf is never used.
     let alias = nodes::new_alias(elab, Scalar::Bool);
-    elab.promises.push(Promise {
+    elab.aliases.deferred_arrays.push(Promise {
         alias,
         wire,
         ty,
@@ -42,18 +42,21 @@ pub(super) fn defer_array(
 
 /// Returns the type of a deferred array.
 pub(super) fn deferred_type(elab: &Elab<'_>, alias: PortRef) -> Option<Type> {
-    let at = elab.promises.binary_search_by_key(&alias, |p| p.alias);
-    at.ok().map(|at| elab.promises[at].ty)
+    let at = elab
+        .aliases
+        .deferred_arrays
+        .binary_search_by_key(&alias, |p| p.alias);
+    at.ok().map(|at| elab.aliases.deferred_arrays[at].ty)
 }
 
 /// Packs all deferred arrays. The aliases of their leaves must be resolved.
 pub(super) fn pack_deferred_arrays(elab: &mut Elab<'_>) {
-    for promise in std::mem::take(&mut elab.promises) {
+    for promise in std::mem::take(&mut elab.aliases.deferred_arrays) {
         let leaf = |signal: &Signal| resolved_leaf(elab, signal);
         let wire: Wire = promise.wire.iter().map(leaf).collect();
         let input = arrays::resolved_array(elab, &wire, promise.ty, promise.at, promise.span);
         if let Some(alias) = alias_of(promise.alias) {
-            elab.aliases[alias] = match input {
+            elab.aliases.signals[alias] = match input {
                 Input::Port(port) => Some(Signal::Port(port)),
                 Input::Const(value) => Some(Signal::Const(*value)),
                 Input::Open => None,
@@ -67,6 +70,6 @@ fn resolved_leaf(elab: &Elab<'_>, signal: &Signal) -> Signal {
         Signal::Port(port) => alias_of(*port),
         _ => None,
     };
-    let known = alias.and_then(|alias| elab.aliases[alias].clone());
+    let known = alias.and_then(|alias| elab.aliases.signals[alias].clone());
     known.unwrap_or_else(|| signal.clone())
 }

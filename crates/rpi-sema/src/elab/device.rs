@@ -47,17 +47,17 @@ pub(super) fn sensor<'u>(
     };
     let scalars = port.ty.as_ref().map(leaf_scalars).unwrap_or_default();
     let count = scalars.len();
-    let known = elab.sensors.len();
+    let known = elab.cache.sensors.len();
     let mut leaves = Vec::with_capacity(count);
     for (k, scalar) in (0..).zip(scalars) {
         let key = (name.clone(), port.name.to_string(), k);
-        leaves.push(match elab.sensors.get(&key) {
+        leaves.push(match elab.cache.sensors.get(&key) {
             Some(port) => Signal::Port(*port),
             None => read(elab, family, scalar, key, span),
         });
     }
     match &port.ty {
-        Some(ty) if elab.sensors.len() > known => {
+        Some(ty) if elab.cache.sensors.len() > known => {
             check_sensor_subranges(elab, leaves, ty, (&name, &port.name), span)
         }
         _ => leaves.into(),
@@ -77,7 +77,7 @@ fn check_sensor_subranges(
     for (k, signal) in (0..).zip(wire.iter()) {
         if let Signal::Port(port) = signal {
             let key = (of.0.to_owned(), of.1.to_owned(), k);
-            elab.sensors.insert(key, *port);
+            elab.cache.sensors.insert(key, *port);
         }
     }
     wire
@@ -106,7 +106,7 @@ fn read(
     elab.net.nodes[node.index()].name = format!("{}.{}#{}", key.0, key.1, node.0);
     elab.net.nodes[node.index()].origin.flow = Some(port_name(&key.0, &key.1, key.2));
     let port = PortRef { node, port: 0 };
-    elab.sensors.insert(key, port);
+    elab.cache.sensors.insert(key, port);
     Signal::Port(port)
 }
 

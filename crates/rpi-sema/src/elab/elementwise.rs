@@ -386,7 +386,7 @@ pub(super) fn constant_value(elab: &Elab<'_>, signal: &Signal) -> Option<Value> 
         Signal::Const(value) => Some(value.clone()),
         Signal::Port(port) => {
             let alias = crate::elab::signal::alias_of(*port)?;
-            match elab.aliases.get(alias)?.as_ref()? {
+            match elab.aliases.signals.get(alias)?.as_ref()? {
                 Signal::Const(value) => Some(value.clone()),
                 _ => None,
             }

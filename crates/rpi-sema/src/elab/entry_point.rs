@@ -22,7 +22,7 @@ use rpi_net::{Driver, ExportPort, Input, Net, Origin, ResultKind, ResultPort};
 use rpi_syntax::ast::EndKind;
 
 /// Index of the output of an input primitive that holds the time of the last write, absent before the first.
-pub(crate) const UPDATED: u8 = 1;
+pub(super) const UPDATED: u8 = 1;
 
 /// Value of a parameter when a command is loaded.
 #[derive(Clone, PartialEq, Debug)]
@@ -153,7 +153,7 @@ impl<'u, 'a> Job<'u, 'a> {
         elab.claims = self.claims;
         node_budget::credit_text(&mut elab, self.id);
         let unit = &self.units[self.id.0 as usize];
-        elab.tells_landmarks = unit.kind == UnitKind::Test;
+        elab.records_coverage = unit.kind == UnitKind::Test;
         elab.net.name = unit.name.to_string();
         reserve_nodes(&mut elab, unit);
         let root = &mut elab.net.fragments[0];
@@ -166,7 +166,7 @@ impl<'u, 'a> Job<'u, 'a> {
         let outputs = external_ports::unit_outputs(&mut elab, &mut scope);
         external_ports::exports(&mut elab, &mut scope);
         driver(&mut elab, &mut scope);
-        let claims = elab.watched.len();
+        let claims = elab.kept_exports.len();
         let locals = match self.locals {
             true => external_ports::elab_locals(&mut elab, &mut scope),
             false => Vec::new(),
@@ -175,12 +175,12 @@ impl<'u, 'a> Job<'u, 'a> {
             call::bind_alias(&mut elab, port, &Signal::Const(value));
         }
         resolve_aliases::resolve_aliases(&mut elab);
-        if elab.tells_landmarks {
+        if elab.records_coverage {
             crate::elab::coverage_points::tell_apart(&mut elab.net);
         }
-        let ports = elab.watched.split_off(claims);
+        let ports = elab.kept_exports.split_off(claims);
         let locals = locals.into_iter().zip(ports);
-        elab.net.exports.append(&mut elab.watched);
+        elab.net.exports.append(&mut elab.kept_exports);
         Elaborated {
             net: elab.net,
             inputs,
@@ -188,8 +188,8 @@ impl<'u, 'a> Job<'u, 'a> {
             has_claims: elab.has_claims,
             locals: locals.map(|(shape, port)| Local { shape, port }).collect(),
             findings: elab.findings,
-            operands: elab.operands,
-            leaves_out: elab.leaves_out,
+            operands: elab.lazy_operands,
+            leaves_out: elab.leaves_out_code,
         }
     }
 }

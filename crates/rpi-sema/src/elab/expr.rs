@@ -51,7 +51,7 @@ pub(super) fn elab_expr<'u>(
     if let Some(wire) = scope.recall(id, at.guard) {
         return wire;
     }
-    if elab.allowance.is_used_up {
+    if elab.budget.is_used_up {
         return nothing();
     }
     let at = sampled_flows::position_of(elab, scope, id, at);
@@ -290,7 +290,7 @@ fn check_index(elab: &mut Elab<'_>, index: &Signal, count: usize, at: At, span: 
 
 /// Returns whether code ruled out by a constant is left out. `reads`: whether that code reads flows.
 pub(super) fn drops_dead_code(elab: &mut Elab<'_>, reads: bool) -> bool {
-    elab.leaves_out |= reads;
+    elab.leaves_out_code |= reads;
     !reads || matches!(elab.mode, Mode::Net | Mode::Constant)
 }
 

@@ -119,8 +119,8 @@ pub(super) fn open_value<'u>(elab: &mut Elab<'u>, scope: &Scope<'u>, id: ExprId,
     if elab.mode == Mode::Constant {
         return elab.fail(NotConstant::Flow(expr.span));
     }
-    elab.serial += 1;
-    let name = format!("{}#any{}", elab.name, elab.serial - 1);
+    elab.naming.serial += 1;
+    let name = format!("{}#any{}", elab.naming.name, elab.naming.serial - 1);
     let mut leaves: Vec<(String, Ty)> = Vec::new();
     let mut leaf = |path: String, ty: &Ty| leaves.push((format!("{name}{path}"), ty.clone()));
     expr.ty.leaves(&mut |path, ty| leaf(path.to_owned(), ty));
@@ -254,7 +254,7 @@ pub(super) fn elab_locals<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>) -> Vec
             .leaves(&mut |path, ty| leaves.push((format!("{name}{path}"), ty.clone())));
         for ((key, ty), signal) in leaves.into_iter().zip(wire.iter()) {
             if let Some(port) = export_port(elab, &key, signal, &ty, At::ROOT, declared.span) {
-                elab.watched.push(port);
+                elab.kept_exports.push(port);
                 let optional = declared.optional != Optional::Declared(false);
                 let ty = crate::check::outside_type(&ty).0;
                 shapes.push(PortShape { key, ty, optional });

@@ -112,7 +112,7 @@ pub(super) fn define<'u>(
         if let Some(Signal::Port(port)) = wire.get(at + k) {
             bind(elab, *port, signal);
             if let (Signal::Port(name), true) = (signal, has_clocks) {
-                elab.names_before.entry(*name).or_insert(*port);
+                elab.aliases.names_before.entry(*name).or_insert(*port);
             }
         }
     }
@@ -123,7 +123,7 @@ pub(super) fn define<'u>(
 
 fn bind(elab: &mut Elab<'_>, port: PortRef, signal: &Signal) {
     if let Some(alias) = alias_of(port) {
-        elab.aliases[alias].get_or_insert_with(|| signal.clone());
+        elab.aliases.signals[alias].get_or_insert_with(|| signal.clone());
     }
 }
 

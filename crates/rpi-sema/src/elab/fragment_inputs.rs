@@ -66,10 +66,10 @@ fn entry_wire(elab: &mut Elab<'_>, wire: &Wire, fragment: FragmentId) -> Wire {
 
 /// Creates an entry alias for an alias that may turn out to refer to an output of the fragment.
 fn new_entry(elab: &mut Elab<'_>, known: usize, signal: &Signal, fragment: FragmentId) -> Signal {
-    let port = nodes::new_alias(elab, elab.alias_types[known]);
+    let port = nodes::new_alias(elab, elab.aliases.types[known]);
     if let Some(alias) = alias_of(port) {
-        elab.aliases[alias] = Some(signal.clone());
-        elab.entries.insert(alias, fragment);
+        elab.aliases.signals[alias] = Some(signal.clone());
+        elab.aliases.entries.insert(alias, fragment);
     }
     Signal::Port(port)
 }
@@ -77,14 +77,14 @@ fn new_entry(elab: &mut Elab<'_>, known: usize, signal: &Signal, fragment: Fragm
 /// Returns the signal of a resolved entry alias: a copy node outside the fragment if the fragment itself computes
 /// the signal.
 pub(super) fn resolve_entry(elab: &mut Elab<'_>, alias: usize, signal: Signal) -> Signal {
-    let Some(&fragment) = elab.entries.get(&alias) else {
+    let Some(&fragment) = elab.aliases.entries.get(&alias) else {
         return signal;
     };
     match (signal, elab.net.fragment(fragment).parent) {
         (Signal::Port(port), Some(around))
             if fragment_outputs::is_computed_in(elab, port, fragment) =>
         {
-            nodes::add_copy(elab, port, elab.alias_types[alias], around, Span::NONE)
+            nodes::add_copy(elab, port, elab.aliases.types[alias], around, Span::NONE)
         }
         (other, _) => other,
     }

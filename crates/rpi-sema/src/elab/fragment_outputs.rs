@@ -104,7 +104,7 @@ pub(super) fn gate_wire(
     let mut leaf = |signal: &Signal| match new_gate(elab, signal) {
         None => signal.clone(),
         Some((alias, outside)) => {
-            elab.gates.insert(alias, from);
+            elab.aliases.gates.insert(alias, from);
             outside
         }
     };
@@ -116,7 +116,7 @@ pub(super) fn assign_pending_gates<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u
     for leaf in std::mem::take(&mut scope.leaving) {
         let from = scope.fragment(leaf.block);
         if let Some(from) = from.filter(|from| is_gated(elab, *from, leaf.reader)) {
-            elab.gates.insert(leaf.alias, from);
+            elab.aliases.gates.insert(leaf.alias, from);
         }
     }
 }
@@ -129,14 +129,14 @@ fn new_gate(elab: &mut Elab<'_>, signal: &Signal) -> Option<(usize, Signal)> {
             _ => return None,
         },
         Signal::Port(port) => match alias_of(*port) {
-            Some(alias) => elab.alias_types[alias],
+            Some(alias) => elab.aliases.types[alias],
             None => scalar_of(elab, *port)?,
         },
         Signal::Element(..) | Signal::Absent => return None,
     };
     let port = nodes::new_alias(elab, scalar);
     let alias = alias_of(port)?;
-    elab.aliases[alias] = Some(signal.clone());
+    elab.aliases.signals[alias] = Some(signal.clone());
     Some((alias, Signal::Port(port)))
 }
 
@@ -150,10 +150,10 @@ fn is_gated(elab: &Elab<'_>, from: FragmentId, reader: FragmentId) -> bool {
 /// Returns the signal of a resolved gate alias: a node in the fragment if the signal is a constant or computed
 /// elsewhere.
 pub(super) fn resolve_gate(elab: &mut Elab<'_>, alias: usize, signal: Signal) -> Signal {
-    let Some(&from) = elab.gates.get(&alias) else {
+    let Some(&from) = elab.aliases.gates.get(&alias) else {
         return signal;
     };
-    let scalar = elab.alias_types[alias];
+    let scalar = elab.aliases.types[alias];
     match signal {
         Signal::Const(_) => {
             let port = arrays::port_of(elab, &signal, scalar, At::fragment(from), Span::NONE);

@@ -93,18 +93,18 @@ fn unit_properties(elab: &mut Elab<'_>, id: UnitId) -> Rc<WithinUnit> {
     let mut open = vec![id];
     let mut entered: Set<UnitId> = Set::default();
     while let Some(unit) = open.last().copied() {
-        if elab.within.contains_key(&unit) {
+        if elab.cache.unit_properties.contains_key(&unit) {
             open.pop();
         } else if entered.insert(unit) {
             let called = calls(&elab.units[unit.0 as usize]).map(|call| call.unit);
             open.extend(called.filter(|called| !entered.contains(called)));
         } else {
             let known = compute_unit_properties(elab, &elab.units[unit.0 as usize]);
-            elab.within.insert(unit, Rc::new(known));
+            elab.cache.unit_properties.insert(unit, Rc::new(known));
             open.pop();
         }
     }
-    elab.within[&id].clone()
+    elab.cache.unit_properties[&id].clone()
 }
 
 fn compute_unit_properties(elab: &Elab<'_>, unit: &Unit) -> WithinUnit {
@@ -154,13 +154,13 @@ fn compute_expr_properties(elab: &Elab<'_>, unit: &Unit) -> Vec<Within> {
 /// Returns the properties of an expression without its operands. Operations that feed a state are not guarded.
 fn own_properties(elab: &Elab<'_>, expr: &Expr) -> Within {
     let kind = &expr.kind;
-    let called = match kind {
-        Kind::Call(call) => elab
-            .within
-            .get(&call.unit)
-            .filter(|called| called.is_stateless && matches!(call.activation, Activation::Always)),
-        _ => None,
-    };
+    let called =
+        match kind {
+            Kind::Call(call) => elab.cache.unit_properties.get(&call.unit).filter(|called| {
+                called.is_stateless && matches!(call.activation, Activation::Always)
+            }),
+            _ => None,
+        };
     let goes_on = match kind {
         Kind::Each(Each::Pre | Each::Last | Each::Hold, _) | Kind::Current(_) => true,
         Kind::Prim(call) => has_state(call),

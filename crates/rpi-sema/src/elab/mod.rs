@@ -172,66 +172,90 @@ struct Elab<'u> {
     facts: &'u [Facts],
     mode: Mode,
     net: Net,
+    aliases: Aliases,
+    cache: Cache,
+    inlining: Inlining,
+    naming: Naming,
+    /// Fragments of blocks in place.
+    in_place: Set<FragmentId>,
+    /// First reason why the constant cannot be evaluated.
+    failure: Option<NotConstant>,
+    /// Remaining budget for expanded code.
+    budget: node_budget::Allowance,
+    findings: Vec<Finding>,
+    /// Whether any claim was found.
+    has_claims: bool,
+    /// Operands with state that are not always needed.
+    lazy_operands: Vec<Operand>,
+    /// Whether code was left out only because a constant rules it out.
+    leaves_out_code: bool,
+    /// Treatment of claims.
+    claims: Claims,
+    /// Whether coverage points are recorded.
+    records_coverage: bool,
+    /// Exported ports that keep flows alive that nothing in the net reads.
+    kept_exports: Vec<rpi_net::ExportPort>,
+}
+
+/// Ports that stand for signals that are not known when they are read first.
+#[derive(Default)]
+struct Aliases {
     /// Signal of each alias, once it is known.
-    aliases: Vec<Option<Signal>>,
-    alias_types: Vec<Scalar>,
+    signals: Vec<Option<Signal>>,
+    types: Vec<Scalar>,
     /// For each alias, whether it is being resolved, to detect aliases that depend on themselves.
-    settling: Vec<bool>,
+    in_progress: Vec<bool>,
     /// For each gate alias, the fragment that it leads out of. Outside, its constants are present only while the
     /// fragment is active.
     gates: Map<usize, FragmentId>,
     /// For each entry alias, the fragment that it leads into. To its surroundings this fragment is one vertex.
     entries: Map<usize, FragmentId>,
-    /// Fragments of blocks in place.
-    in_place: Set<FragmentId>,
-    /// Arrays whose leaves are not known yet, in the order of their aliases.
-    promises: Vec<crate::elab::deferred_arrays::Promise>,
-    /// Port of `first` in each fragment.
-    firsts: Map<FragmentId, PortRef>,
-    /// Inputs of the cycle (`time`, `cancel`) that have been read in each fragment.
-    of_cycle: Map<(FragmentId, PrimId), signal::Wire>,
-    /// Fragments of clocks.
-    clocks: Map<crate::elab::sampled_flows::ClockKey, FragmentId>,
-    /// Deciders exposed by the unit that was inlined last.
-    exposed: Vec<Signal>,
-    /// Whether the next inlined unit's results are kept while it does not run.
-    keeps_results: bool,
     /// For each flow, the alias by which it was known before its equation was reached. Filled only where clocks are
     /// used.
     names_before: Map<PortRef, PortRef>,
+    /// Arrays whose leaves are not known yet, in the order of their aliases.
+    deferred_arrays: Vec<deferred_arrays::Promise>,
+}
+
+/// Ports and fragments that are made once and used again.
+#[derive(Default)]
+struct Cache {
+    /// Port of `first` in each fragment.
+    firsts: Map<FragmentId, PortRef>,
+    /// Inputs of the cycle (`time`, `cancel`) that have been read in each fragment.
+    cycle_inputs: Map<(FragmentId, PrimId), signal::Wire>,
+    /// Fragments of clocks.
+    clock_fragments: Map<sampled_flows::ClockKey, FragmentId>,
     /// Elements that have been extracted from array ports.
     elements: Map<(PortRef, u32), PortRef>,
     /// Sensor ports that have been read.
     sensors: Map<(String, String, u32), PortRef>,
-    /// Cache of the properties of units.
-    within: Map<UnitId, Rc<crate::elab::guards::WithinUnit>>,
-    /// First reason why the constant cannot be evaluated.
-    failure: Option<NotConstant>,
+    /// Properties of units.
+    unit_properties: Map<UnitId, Rc<guards::WithinUnit>>,
+}
+
+/// Calls that are being inlined.
+#[derive(Default)]
+struct Inlining {
+    /// Stack of the calls, outermost first.
+    call_stack: Vec<UnitId>,
+    /// Guard of the innermost call.
+    guard: Option<PortRef>,
+    /// Deciders exposed by the unit that was inlined last.
+    exposed_deciders: Vec<Signal>,
+    /// Whether the next unit's results are kept while it does not run.
+    keeps_results: bool,
+}
+
+/// Names of nodes: those of the flows that they compute.
+#[derive(Default)]
+struct Naming {
     /// Name of the flow that is being defined, prefixed by the path of calls.
     name: String,
     /// Expression that is the whole value of that flow.
-    top: Option<ExprId>,
+    top_expr: Option<ExprId>,
     /// Number of nodes made for that flow.
     serial: u32,
-    /// Guard of the call that is being inlined.
-    entered: Option<PortRef>,
-    /// Stack of the calls that are being inlined, outermost first.
-    calling: Vec<UnitId>,
-    /// Remaining budget for expanded code.
-    allowance: crate::elab::node_budget::Allowance,
-    findings: Vec<Finding>,
-    /// Whether any claim was found.
-    has_claims: bool,
-    /// Operands with state that are not always needed.
-    operands: Vec<Operand>,
-    /// Whether code was left out only because a constant rules it out.
-    leaves_out: bool,
-    /// Treatment of claims.
-    claims: Claims,
-    /// Whether coverage points are recorded.
-    tells_landmarks: bool,
-    /// Exported ports that keep flows alive that nothing in the net reads.
-    watched: Vec<rpi_net::ExportPort>,
 }
 
 /// Greatest depth of nested calls. Each level of inlining costs stack.
@@ -244,36 +268,20 @@ impl<'u> Elab<'u> {
             facts,
             mode,
             net: Net::new(""),
-            aliases: Vec::new(),
-            alias_types: Vec::new(),
-            settling: Vec::new(),
-            gates: Map::default(),
-            entries: Map::default(),
+            aliases: Aliases::default(),
+            cache: Cache::default(),
+            inlining: Inlining::default(),
+            naming: Naming::default(),
             in_place: Set::default(),
-            promises: Vec::new(),
-            top: None,
-            firsts: Map::default(),
-            of_cycle: Map::default(),
-            clocks: Map::default(),
-            exposed: Vec::new(),
-            keeps_results: false,
-            names_before: Map::default(),
-            elements: Map::default(),
-            sensors: Map::default(),
-            within: Map::default(),
             failure: None,
-            name: String::new(),
-            serial: 0,
-            entered: None,
-            calling: Vec::new(),
-            allowance: crate::elab::node_budget::Allowance::new(),
+            budget: node_budget::Allowance::new(),
             findings: Vec::new(),
             has_claims: false,
-            operands: Vec::new(),
-            leaves_out: false,
+            lazy_operands: Vec::new(),
+            leaves_out_code: false,
             claims: Claims::default(),
-            tells_landmarks: false,
-            watched: Vec::new(),
+            records_coverage: false,
+            kept_exports: Vec::new(),
         }
     }
 

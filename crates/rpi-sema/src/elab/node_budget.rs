@@ -47,8 +47,8 @@ impl Allowance {
 
 /// Adds the text of a unit to the budget, the first time the unit is expanded.
 pub(super) fn credit_text(elab: &mut Elab<'_>, id: UnitId) {
-    if elab.allowance.paid.insert(id) {
-        elab.allowance.left += PER_BYTE * length(&elab.units[id.0 as usize]);
+    if elab.budget.paid.insert(id) {
+        elab.budget.left += PER_BYTE * length(&elab.units[id.0 as usize]);
     }
 }
 
@@ -68,8 +68,8 @@ pub(super) fn charge_leaves(elab: &mut Elab<'_>, leaves: usize, span: Span) -> b
 }
 
 fn charge(elab: &mut Elab<'_>, cost: usize, span: Span) -> bool {
-    let was_used_up = elab.allowance.is_used_up;
-    let may = elab.allowance.spend(cost);
+    let was_used_up = elab.budget.is_used_up;
+    let may = elab.budget.spend(cost);
     if !may && !was_used_up {
         report_too_large(elab, span);
     }

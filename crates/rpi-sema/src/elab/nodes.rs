@@ -141,12 +141,12 @@ pub(super) fn add_node(
     fragment: FragmentId,
     span: Span,
 ) -> NodeId {
-    let name = numbered(&elab.name, elab.serial);
+    let name = numbered(&elab.naming.name, elab.naming.serial);
     // Over budget, node 0 is returned so that the elaboration can finish. The error has been reported.
     if !node_budget::charge_node(elab, &name, span) && !elab.net.nodes.is_empty() {
         return NodeId(0);
     }
-    elab.serial += 1;
+    elab.naming.serial += 1;
     elab.net.add_node(Node {
         name,
         prim,
@@ -275,27 +275,27 @@ pub(super) fn report_certain_fault(elab: &mut Elab<'_>, what: String, span: Span
 
 /// Reserves memory for `more` aliases.
 pub(super) fn reserve_aliases(elab: &mut Elab<'_>, more: usize) {
-    elab.aliases.reserve(more);
-    elab.alias_types.reserve(more);
-    elab.settling.reserve(more);
+    elab.aliases.signals.reserve(more);
+    elab.aliases.types.reserve(more);
+    elab.aliases.in_progress.reserve(more);
 }
 
 /// Creates an alias for a flow of a machine type.
 pub(super) fn new_alias(elab: &mut Elab<'_>, scalar: Scalar) -> PortRef {
-    elab.aliases.push(None);
-    elab.alias_types.push(scalar);
-    elab.settling.push(false);
-    alias(elab.aliases.len() - 1)
+    elab.aliases.signals.push(None);
+    elab.aliases.types.push(scalar);
+    elab.aliases.in_progress.push(false);
+    alias(elab.aliases.signals.len() - 1)
 }
 
 /// Returns the signal `first` of a fragment.
 pub(super) fn first_port(elab: &mut Elab<'_>, fragment: FragmentId, span: Span) -> Signal {
-    if let Some(port) = elab.firsts.get(&fragment) {
+    if let Some(port) = elab.cache.firsts.get(&fragment) {
         return Signal::Port(*port);
     }
     let signal = add_simple(elab, prim!("Rpi::First"), &[], At::fragment(fragment), span);
     if let Signal::Port(port) = signal {
-        elab.firsts.insert(fragment, port);
+        elab.cache.firsts.insert(fragment, port);
     }
     signal
 }

@@ -40,7 +40,7 @@ pub(super) fn prim_call<'u>(
         && desc.inputs.is_empty()
         && desc.params.is_empty();
     let key = (at.fragment, call.prim);
-    if let Some(known) = elab.of_cycle.get(&key).filter(|_| is_of_cycle) {
+    if let Some(known) = elab.cache.cycle_inputs.get(&key).filter(|_| is_of_cycle) {
         return known.clone();
     }
     let at = match crate::elab::guards::has_state(call) {
@@ -66,7 +66,7 @@ pub(super) fn prim_call<'u>(
         None => nodes::add_prim_typed(elab, call.prim, inputs, params, at, span),
     };
     if is_of_cycle && elab.mode != Mode::Constant {
-        elab.of_cycle.insert(key, wire.clone());
+        elab.cache.cycle_inputs.insert(key, wire.clone());
     }
     wire
 }

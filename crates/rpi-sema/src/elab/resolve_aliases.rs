@@ -16,7 +16,7 @@ use smallvec::{SmallVec, smallvec};
 /// Replaces all aliases by the signals to which they are bound.
 pub(super) fn resolve_aliases(elab: &mut Elab<'_>) {
     block::set_node_name(elab, "constant");
-    for alias in 0..elab.aliases.len() {
+    for alias in 0..elab.aliases.signals.len() {
         resolve_alias(elab, alias);
     }
     deferred_arrays::pack_deferred_arrays(elab);
@@ -31,12 +31,12 @@ pub(super) fn resolve_aliases(elab: &mut Elab<'_>) {
         let (at, span) = (At::ROOT, elab.net.exports[export].origin.span);
         elab.net.exports[export].source = resolved_port(elab, source, at, span);
     }
-    for watched in 0..elab.watched.len() {
+    for watched in 0..elab.kept_exports.len() {
         let (source, span) = (
-            elab.watched[watched].source,
-            elab.watched[watched].origin.span,
+            elab.kept_exports[watched].source,
+            elab.kept_exports[watched].origin.span,
         );
-        elab.watched[watched].source = resolved_port(elab, source, At::ROOT, span);
+        elab.kept_exports[watched].source = resolved_port(elab, source, At::ROOT, span);
     }
     resolve_driver(elab);
     resolve_coverage_points(elab);
@@ -46,16 +46,16 @@ pub(super) fn resolve_aliases(elab: &mut Elab<'_>) {
 /// copy node is inserted so that the net shows the cycle.
 fn resolve_alias(elab: &mut Elab<'_>, alias: usize) {
     let mut chain: SmallVec<[usize; 4]> = smallvec![alias];
-    elab.settling[alias] = true;
+    elab.aliases.in_progress[alias] = true;
     let end = loop {
         let last = chain[chain.len() - 1];
-        match &elab.aliases[last] {
+        match &elab.aliases.signals[last] {
             Some(Signal::Port(port)) => match alias_of(*port) {
-                Some(next) if elab.settling[next] => {
+                Some(next) if elab.aliases.in_progress[next] => {
                     break dependency_cycle_node(elab, last, *port);
                 }
                 Some(next) => {
-                    elab.settling[next] = true;
+                    elab.aliases.in_progress[next] = true;
                     chain.push(next);
                 }
                 None => break Signal::Port(*port),
@@ -66,16 +66,16 @@ fn resolve_alias(elab: &mut Elab<'_>, alias: usize) {
     };
     let mut seen = end;
     for alias in chain.into_iter().rev() {
-        elab.settling[alias] = false;
+        elab.aliases.in_progress[alias] = false;
         seen = fragment_outputs::resolve_gate(elab, alias, seen);
         seen = fragment_inputs::resolve_entry(elab, alias, seen);
-        elab.aliases[alias] = Some(seen.clone());
+        elab.aliases.signals[alias] = Some(seen.clone());
     }
 }
 
 /// Adds a copy node that reads itself through the aliases.
 fn dependency_cycle_node(elab: &mut Elab<'_>, alias: usize, port: PortRef) -> Signal {
-    let scalar = elab.alias_types[alias];
+    let scalar = elab.aliases.types[alias];
     match nodes::add_copy(elab, port, scalar, FragmentId::ROOT, Span::NONE) {
         Signal::Port(port) if alias_of(port).is_some() => {
             Signal::Const(Value::neutral(scalar.into()))
@@ -86,7 +86,7 @@ fn dependency_cycle_node(elab: &mut Elab<'_>, alias: usize, port: PortRef) -> Si
 
 /// Returns a neutral value for a flow that is never defined, which has been reported.
 fn undefined_value(elab: &mut Elab<'_>, alias: usize) -> Signal {
-    Signal::Const(Value::neutral(elab.alias_types[alias].into()))
+    Signal::Const(Value::neutral(elab.aliases.types[alias].into()))
 }
 
 fn resolve_node(elab: &mut Elab<'_>, node: usize) {
@@ -105,11 +105,13 @@ fn resolve_node(elab: &mut Elab<'_>, node: usize) {
 /// Returns the input that replaces an alias; none if the port is not an alias.
 fn resolved_input(elab: &mut Elab<'_>, port: PortRef, at: At, span: Span) -> Option<Input> {
     let alias = alias_of(port)?;
-    let signal = elab.aliases[alias].clone().unwrap_or(Signal::Absent);
+    let signal = elab.aliases.signals[alias]
+        .clone()
+        .unwrap_or(Signal::Absent);
     Some(arrays::one_input(
         elab,
         &signal,
-        elab.alias_types[alias],
+        elab.aliases.types[alias],
         at,
         span,
     ))
@@ -136,8 +138,10 @@ fn resolved_port(elab: &mut Elab<'_>, port: PortRef, at: At, span: Span) -> Port
     let Some(alias) = alias_of(port) else {
         return port;
     };
-    let signal = elab.aliases[alias].clone().unwrap_or(Signal::Absent);
-    arrays::port_of(elab, &signal, elab.alias_types[alias], at, span).unwrap_or(port)
+    let signal = elab.aliases.signals[alias]
+        .clone()
+        .unwrap_or(Signal::Absent);
+    arrays::port_of(elab, &signal, elab.aliases.types[alias], at, span).unwrap_or(port)
 }
 
 fn resolve_fragment(elab: &mut Elab<'_>, fragment: usize) {

@@ -106,7 +106,7 @@ pub(super) fn clocked_facts<'u>(elab: &Elab<'u>, scope: &Scope<'u>) -> Option<&'
 }
 
 /// Returns the fragment of a clock in the block that is being elaborated, creating it if necessary.
-pub(crate) fn clock_fragment<'u>(
+pub(super) fn clock_fragment<'u>(
     elab: &mut Elab<'u>,
     scope: &mut Scope<'u>,
     clock: ClockId,
@@ -126,7 +126,7 @@ pub(crate) fn clock_fragment<'u>(
     fragment
 }
 
-pub(crate) fn sampling_fragment<'u>(
+pub(super) fn sampling_fragment<'u>(
     elab: &mut Elab<'u>,
     scope: &mut Scope<'u>,
     tick: Tick,
@@ -142,7 +142,7 @@ pub(crate) fn sampling_fragment<'u>(
         _ => None,
     };
     let key = deciding.map(|deciding| (parent, deciding, tick.value));
-    if let Some(known) = key.and_then(|key| elab.clocks.get(&key)) {
+    if let Some(known) = key.and_then(|key| elab.cache.clock_fragments.get(&key)) {
         return *known;
     }
     let at = At::fragment(parent);
@@ -155,7 +155,7 @@ pub(crate) fn sampling_fragment<'u>(
     // The user knows the flows in this fragment but not the fragment, so it has no flow of its own.
     made.origin.flow = None;
     if let Some(key) = key {
-        elab.clocks.insert(key, fragment);
+        elab.cache.clock_fragments.insert(key, fragment);
     }
     fragment
 }
@@ -165,7 +165,7 @@ pub(crate) fn sampling_fragment<'u>(
 fn first_alias(elab: &Elab<'_>, port: PortRef) -> PortRef {
     use crate::elab::signal::alias_of;
     let mut name = port;
-    while let Some(before) = elab.names_before.get(&name)
+    while let Some(before) = elab.aliases.names_before.get(&name)
         && alias_of(name).is_none_or(|alias| alias_of(*before) < Some(alias))
     {
         name = *before;
@@ -263,7 +263,7 @@ pub(super) fn bind_exposed<'u>(
 }
 
 /// Returns the condition under which a sampling ticks: the decider has its value.
-pub(crate) fn tick_condition<'u>(
+pub(super) fn tick_condition<'u>(
     elab: &mut Elab<'u>,
     scope: &mut Scope<'u>,
     tick: Tick,

@@ -76,7 +76,7 @@ pub(super) fn lazy_operand<'u>(
     let wire = wire(elab, scope);
     let nodes = before..number(elab);
     let span = scope.unit.expr(id).span;
-    elab.operands.push(Operand { span, nodes });
+    elab.lazy_operands.push(Operand { span, nodes });
     wire
 }
 

@@ -182,7 +182,7 @@ fn check_signal(elab: &mut Elab<'_>, signal: &Signal, range: Subrange, how: Chec
         Signal::Const(value) => match value.as_int() {
             Some(value) if !range.contains(value) => {
                 // A wrong constant is an error even if the call around it is not always needed.
-                let is_sure = !how.is_input && how.at.guard == elab.entered;
+                let is_sure = !how.is_input && how.at.guard == elab.inlining.guard;
                 if how.at.guard.is_none() || is_sure {
                     report_out_of_subrange(elab, value, range, how);
                     return signal.clone();
