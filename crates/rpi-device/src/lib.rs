@@ -1,18 +1,19 @@
-//! What the cycle sees of devices: ports that are read, checked, written and called, on plain cells.
+//! Interface between the control cycle and devices: ports that are read, checked, written and called, with values as
+//! 64-bit slots.
 //!
-//! A driver (simulated or real) implements [`DeviceBank`]; the core resolves names to [`PortId`]s when a command is
-//! loaded and uses only those afterwards. Nothing here may allocate, lock or wait once resolved.
+//! A driver (simulated or real) implements [`DeviceBank`]. The core resolves names to [`PortId`]s when it loads a
+//! command and uses only those afterwards. After that, no method may allocate, lock or wait.
 #![no_std]
 
 use core::ops::Range;
 use rpi_image::Type;
 use rpi_image::image::DevicePort;
 
-/// A port of a device, resolved when a command is loaded.
+/// Handle of a device port, resolved when a command is loaded.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub struct PortId(pub u32);
 
-/// What a port is for.
+/// Kind of a device port.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum PortKind {
     /// Read before evaluation.
@@ -23,23 +24,23 @@ pub enum PortKind {
     Function,
 }
 
-/// The name of a port as a command asks for it.
+/// Name of a device port, with the kind and type that a command expects.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct PortName<'a> {
-    /// Device, as the cell description names it.
+    /// Name of the device in the cell description.
     pub device: &'a str,
-    /// Port of the device, `joint.commanded_position`, `tcp`, `inverse_kinematics`.
+    /// Name of the port, for example `joint.commanded_position`, `tcp` or `inverse_kinematics`.
     pub port: &'a str,
-    /// Which of several equal ones: axis, input number; 0 where there is one.
+    /// Index among several equal ports (axis, input number); 0 if there is only one.
     pub index: u32,
-    /// What it is used for.
+    /// Expected kind.
     pub kind: PortKind,
-    /// Type of the value; of the result for functions.
+    /// Type of the value; for a function, type of the result.
     pub ty: Type,
 }
 
 impl<'a> PortName<'a> {
-    /// The name by which an image's port is asked for.
+    /// Creates the name of a port of an image.
     #[must_use]
     pub fn of(port: &'a DevicePort, kind: PortKind) -> PortName<'a> {
         PortName {
@@ -52,10 +53,10 @@ impl<'a> PortName<'a> {
     }
 }
 
-/// Why a name did not resolve.
+/// Error when resolving the name of a device port.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum ResolveError {
-    /// No device of this name in the cell.
+    /// The cell has no device with this name.
     NoDevice,
     /// The device has no such port.
     NoPort,
@@ -65,114 +66,116 @@ pub enum ResolveError {
     WrongType,
 }
 
-/// What a device says to a set-point before it is accepted; bits, so that several can be true.
+/// Reasons of a device to reject a set-point, as bits: several can apply.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct Refusal(pub u32);
 
 impl Refusal {
-    /// Nothing against it.
+    /// No reason: the set-point is accepted.
     pub const NONE: Refusal = Refusal(0);
     /// Another writer has set this port in the same cycle.
     pub const CONCURRENT_ACCESS: Refusal = Refusal(1);
     /// The device has failed.
     pub const DEVICE_FAILED: Refusal = Refusal(2);
-    /// The value is not reachable, out of limits or not a number.
+    /// The value is unreachable, outside its limits or not a number.
     pub const ILLEGAL_VALUE: Refusal = Refusal(4);
 
-    /// True if any of `other`'s bits is set.
+    /// Returns whether `self` and `other` have a bit in common.
     #[must_use]
     pub const fn has(self, other: Refusal) -> bool {
         self.0 & other.0 != 0
     }
 
-    /// Both together.
+    /// Returns the union of both sets of reasons.
     #[must_use]
     pub const fn and(self, other: Refusal) -> Refusal {
         Refusal(self.0 | other.0)
     }
 }
 
-/// What does not join where a set-point follows another one: by backward differences over the actuator's period.
+/// Quantity that violates a limit, computed by backward differences over the period of the set-points.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Quantity {
-    /// The position leaves its range.
+    /// Position outside its range.
     Position,
-    /// The first difference.
+    /// Velocity: the first difference.
     Velocity,
-    /// The second difference.
+    /// Acceleration: the second difference.
     Acceleration,
 }
 
-/// A set-point that does not join those before it within the limits of its device.
+/// Discontinuity: a set-point that does not continue the previous ones within the limits of its device.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Jump {
-    /// The actuator.
+    /// Resource (axis) with the discontinuity.
     pub resource: u32,
-    /// What breaks its limit.
+    /// Quantity that exceeds its limit.
     pub quantity: Quantity,
-    /// Its value with this set-point; SI units.
+    /// Value of the quantity with the rejected set-point, in SI units.
     pub value: f64,
-    /// The limit of the device; SI units.
+    /// Limit of the device, in SI units.
     pub limit: f64,
 }
 
-/// All devices of a cell, as the cycle sees them.
+/// All devices of a robot cell, as used by the control cycle.
 ///
-/// Values are cells as [`rpi_image::Scalar`] lays them out. Every call is bounded, allocation-free and cannot panic.
+/// Values are slots in the layout of [`rpi_image::Scalar`]. Every call has bounded time, does not allocate and does not
+/// panic.
 pub trait DeviceBank {
-    /// Resolves a name when a command is loaded.
+    /// Resolves the name of a port when a command is loaded.
     ///
     /// # Errors
-    /// Says why the cell has no such port.
+    /// Returns the reason if the cell has no such port.
     fn resolve(&mut self, name: &PortName<'_>) -> Result<PortId, ResolveError>;
 
-    /// The actuator (resource) that a port belongs to, the first one where it belongs to several.
+    /// Returns the resource of a port; the first one if the port has several.
     fn resource(&self, port: PortId) -> u32;
 
-    /// All actuators that a port belongs to: ports with a number in common exclude one another. The joints of an arm are
-    /// one actuator each, so that one command can set them one by one; a port that sets the whole arm belongs to all.
+    /// Returns all resources of a port. Ports with a common resource exclude each other. Each joint of an arm is one
+    /// resource, so a command can set single joints; a port that sets the whole arm has the resources of all joints.
     fn resources(&self, port: PortId) -> Range<u32> {
         let own = self.resource(port);
         own..own.saturating_add(1)
     }
 
-    /// Tells that a command begins that holds an actuator, and how many ticks lie between its set-points, from the next one
-    /// on: a device that was never told expects one in every tick. What the device had against the set-points of others is
-    /// not this command's concern; that it has failed is.
+    /// Called when a command that holds a resource starts. `ticks` is the interval between its set-points, starting
+    /// with the next one; the initial interval is one tick. Clears the recorded rejections of set-points of other
+    /// commands. A failure of the device remains.
     fn begin(&mut self, resource: u32, ticks: u32) {
         let _ = (resource, ticks);
     }
 
-    /// Latches a sensor's value; false if there is no sample in this cycle.
+    /// Reads the latched value of a sensor into `value`. Returns false if there is no sample in this cycle.
     fn read(&mut self, port: PortId, value: &mut [u64]) -> bool;
 
-    /// Asks whether a set-point would be accepted now, without handing it over.
+    /// Returns the reasons to reject a set-point in this cycle, without writing it.
     fn check(&mut self, port: PortId, value: &[u64]) -> Refusal;
 
-    /// Where this set-point would not join those that the device was given before, within its limits of position,
-    /// velocity and acceleration; whether the device enforces them itself does not matter.
+    /// Returns the first discontinuity between this set-point and the previous ones of the device, with respect to its
+    /// limits of position, velocity and acceleration. The default returns `None`. The check does not depend on whether
+    /// the device enforces the limits itself.
     fn jump(&self, port: PortId, value: &[u64]) -> Option<Jump> {
         let _ = (port, value);
         None
     }
 
-    /// Error code of the device behind a port; 0 if it is well.
+    /// Returns the error code of the device of a port; 0 if there is no error.
     fn error(&self, port: PortId) -> i64;
 
-    /// Hands a set-point over for this cycle.
+    /// Writes the set-point of this cycle.
     fn write(&mut self, port: PortId, value: &[u64]);
 
-    /// Calls a function of a device; false if it has no result for these arguments.
+    /// Calls a function of a device. Returns false if there is no result for these arguments.
     fn call(&mut self, port: PortId, arguments: &[u64], result: &mut [u64]) -> bool;
 
-    /// True while an actuator moves, so that nobody may leave it without a set-point.
+    /// Returns whether a resource moves. A moving resource needs a set-point in every cycle.
     fn moving(&self, resource: u32) -> bool;
 
-    /// Lets the device bring itself to a stop on its own limits.
+    /// Stops a resource by the device itself, within its own limits.
     fn stop(&mut self, resource: u32);
 }
 
-/// A cell without devices.
+/// Cell without devices.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct NoDevices;
 

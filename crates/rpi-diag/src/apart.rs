@@ -1,22 +1,23 @@
-//! Labels that lie within one another, drawn beside one another.
+//! Separation of overlapping labels.
 //!
-//! What draws them has one line for all marks of a line of text: of two that overlap it puts the inner one behind the
-//! outer, under the wrong text. So the outer is drawn under the longest part of it that no inner one takes.
+//! miette draws all marks of a source line in one row. Of two overlapping marks it would draw the inner one after the
+//! outer, under the wrong text. The outer mark is therefore reduced to its longest part that no inner mark covers.
 
 use std::ops::Range;
 
-/// A label as it is drawn.
+/// Label prepared for drawing.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) struct Mark {
-    /// What is marked.
+    /// Marked range, in addresses of `Texts`.
     pub(crate) range: Range<usize>,
-    /// What is said about it.
+    /// Text of the label; may be empty.
     pub(crate) text: String,
-    /// Whether it is the fault itself.
+    /// Whether the label marks the location of the error itself.
     pub(crate) primary: bool,
 }
 
-/// Labels that do not overlap where that can be had; `text` gives the text of a range.
+/// Merges labels of equal ranges and shrinks outer labels so that labels do not overlap, where that is possible. `text`
+/// returns the text of a range.
 pub(crate) fn apart<'t>(marks: Vec<Mark>, text: impl Fn(Range<usize>) -> &'t str) -> Vec<Mark> {
     let marks = joined(marks);
     let ranges: Vec<Range<usize>> = marks.iter().map(|mark| mark.range.clone()).collect();
@@ -34,14 +35,14 @@ pub(crate) fn apart<'t>(marks: Vec<Mark>, text: impl Fn(Range<usize>) -> &'t str
     marks
 }
 
-/// Whether another mark stands in the last line of one of several lines, where that has its text.
+/// Returns whether another mark lies in the last line of a mark of several lines, where the text of that mark is drawn.
 fn ends_beside(range: &Range<usize>, text: &str, ranges: &[Range<usize>]) -> bool {
     let last = range.start + text.rfind('\n').map_or(0, |at| at + 1);
     let mut others = ranges.iter().filter(|other| *other != range);
     others.any(|other| last < other.end && other.start < range.end && last <= other.start)
 }
 
-/// One label for those of the same place.
+/// Merges labels of the same range into one.
 fn joined(marks: Vec<Mark>) -> Vec<Mark> {
     let mut all: Vec<Mark> = Vec::with_capacity(marks.len());
     for mark in marks {
@@ -58,12 +59,12 @@ fn joined(marks: Vec<Mark>) -> Vec<Mark> {
     all
 }
 
-/// Whether a label says something already.
+/// Returns whether a label already contains a text.
 fn says(label: &str, text: &str) -> bool {
     label.split("; ").any(|said| said == text) || label == text
 }
 
-/// The longest part of a range that holds something and in which no range lies that is within the whole.
+/// Returns the longest non-blank part of a range that no range inside it covers, or the whole range if there is none.
 fn free<'t>(
     whole: &Range<usize>,
     ranges: &[Range<usize>],
@@ -81,14 +82,14 @@ fn free<'t>(
         from = from.max(range.end);
     }
     parts.push(from..whole.end);
-    // Nor does it need what closes or opens the inner one.
+    // Brackets and commas next to an inner range belong to it visually.
     let trimmed = parts.into_iter().map(|part| {
         let held = text(part.clone());
         let rest = held.trim_start_matches([' ', ')', ']', ',']);
         let start = part.start + held.len() - rest.len();
         start..start + rest.trim_end_matches([' ', '(', '[', ',']).len()
     });
-    // Of equal ones the first.
+    // `max_by_key` returns the last maximum, so the order is reversed to get the first.
     let longest = trimmed.rev().max_by_key(|part| part.len());
     longest
         .filter(|part| !part.is_empty())

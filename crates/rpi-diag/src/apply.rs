@@ -1,10 +1,10 @@
-//! Applying fixes to texts.
+//! Application of fixes to source texts.
 
 use crate::{Applicability, Edit, Finding, Fix};
 
-/// The sure fixes that can be applied together, in the order of the findings. A fix is taken as a whole: one that
-/// touches what an earlier one changes is left for the next look at the text, and one that makes the same change is
-/// the same fix.
+/// Returns the sure fixes that can be applied together, in the order of the diagnostics. A fix is applied as a whole or
+/// not at all. A fix whose edits overlap those of an earlier one is skipped; a later run can apply it. A duplicate of
+/// an earlier fix is skipped for the same reason.
 pub fn sure_fixes(findings: &[Finding]) -> Vec<&Fix> {
     let mut taken: Vec<&Fix> = Vec::new();
     let first = findings.iter().filter_map(|finding| finding.fixes.first());
@@ -17,7 +17,7 @@ pub fn sure_fixes(findings: &[Finding]) -> Vec<&Fix> {
     taken
 }
 
-/// The edits of the sure fixes, last place first.
+/// Returns the edits of [`sure_fixes`], last location first, so that applying one does not move the others.
 pub fn sure_edits(findings: &[Finding]) -> Vec<Edit> {
     let fixes = sure_fixes(findings);
     let mut edits: Vec<Edit> = fixes
@@ -28,7 +28,7 @@ pub fn sure_edits(findings: &[Finding]) -> Vec<Edit> {
     edits
 }
 
-/// Whether two edits change the same text, or insert at the same place, so that their order would matter.
+/// Returns whether two edits change the same text or insert at the same location, so that their order would matter.
 fn touch(a: &Edit, b: &Edit) -> bool {
     let end = |edit: &Edit| edit.span.end.max(edit.span.start + 1);
     a.span.file == b.span.file && a.span.start < end(b) && b.span.start < end(a)
@@ -38,7 +38,8 @@ fn last_first(edits: &mut [Edit]) {
     edits.sort_by_key(|edit| std::cmp::Reverse((edit.span.file, edit.span.start, edit.span.end)));
 }
 
-/// A text after edits that do not touch each other. What is put in ends its lines as the text does.
+/// Returns the text after the edits, which must not overlap. Inserted text gets the line ending of the text (LF or
+/// CRLF).
 pub fn apply<'a>(text: &str, edits: impl Iterator<Item = &'a Edit>) -> String {
     let mut edits: Vec<Edit> = edits.cloned().collect();
     last_first(&mut edits);

@@ -1,15 +1,15 @@
-//! Numbers that meet nouns.
+//! Counts with singular and plural nouns.
 
 use std::fmt::Display;
 
-/// `1 error`, `2 errors`.
+/// Returns a count and its noun: `1 error`, `2 errors`.
 pub fn counted(count: impl Display, what: &str) -> String {
     let count = count.to_string();
     let ending = if count == "1" { "" } else { "s" };
     format!("{count} {what}{ending}")
 }
 
-/// `once`, `2 times`.
+/// Returns `once` or `2 times`.
 pub fn times(count: impl Display) -> String {
     match counted(count, "time") {
         once if once == "1 time" => "once".to_owned(),

@@ -1,18 +1,18 @@
-//! Places in lines that are too long to be shown whole: a window around each place, with an ellipsis where text is left
-//! out.
+//! Abbreviated snippets for lines that are too long to be shown whole: a window around each label, with an ellipsis
+//! where text is omitted.
 
 use crate::{Finding, Label, SourceMap, Style};
 
-/// Snippets up to this many bytes are drawn by whole lines.
+/// Largest size in bytes of a snippet that is drawn as whole lines.
 const WHOLE: usize = 4000;
 
-/// Lines up to this many bytes are drawn whole.
+/// Largest length in bytes of a line that is drawn whole.
 const LINE: usize = 400;
 
-/// Characters shown before a place, of it, and behind it.
+/// Largest number of characters shown before, within and after a label.
 const AROUND: usize = 30;
 
-/// Whether what a snippet of the finding shows, a line before and after each place included, is too long.
+/// Returns whether a snippet of the diagnostic, including one line of context on each side, is too long.
 pub(crate) fn is_needed(finding: &Finding, sources: &SourceMap) -> bool {
     let too_long = |label: &Label| {
         let bytes = sources.text(label.span.file).as_bytes();
@@ -27,7 +27,7 @@ pub(crate) fn is_needed(finding: &Finding, sources: &SourceMap) -> bool {
     finding.labels.iter().any(too_long)
 }
 
-/// The bytes up to the end of a line, counted no further than it matters.
+/// Length in bytes of the rest of the line, counted up to `LINE + 1`.
 fn line<'b>(bytes: impl Iterator<Item = &'b u8>) -> usize {
     bytes
         .take(LINE + 1)
@@ -35,12 +35,12 @@ fn line<'b>(bytes: impl Iterator<Item = &'b u8>) -> usize {
         .count()
 }
 
-/// The bytes of the line that comes then.
+/// Length in bytes of the next line, counted up to `LINE + 1`.
 fn neighbour<'b>(bytes: impl Iterator<Item = &'b u8>) -> usize {
     line(bytes.take(WHOLE).skip_while(|byte| **byte != b'\n').skip(1))
 }
 
-/// The bytes of two lines, counted no further than it matters.
+/// Length in bytes of the next two lines, counted up to `WHOLE + 1`.
 fn two_lines<'b>(bytes: impl Iterator<Item = &'b u8>) -> usize {
     let mut ends = 0;
     let within = |byte: &&u8| {
@@ -50,7 +50,7 @@ fn two_lines<'b>(bytes: impl Iterator<Item = &'b u8>) -> usize {
     bytes.take(WHOLE + 1).take_while(within).count()
 }
 
-/// The headline, then each place with some of the text around it; each line ended.
+/// Draws the headline and then each label with the text around it. Every line ends with a newline.
 pub(crate) fn draw(finding: &Finding, sources: &SourceMap, style: Style) -> String {
     let (severity, code) = (finding.severity().as_str(), finding.code);
     let mut out = format!("{severity} {code}: {}\n", finding.message);
@@ -65,7 +65,7 @@ pub(crate) fn draw(finding: &Finding, sources: &SourceMap, style: Style) -> Stri
     out
 }
 
-/// The text around a place, and below it the mark with the label's words.
+/// Draws the text around a label, and below it the marks with the text of the label.
 fn window(label: &Label, sources: &SourceMap, style: Style) -> String {
     let text = sources.text(label.span.file);
     let (start, end) = sources.clamp(label.span);
@@ -86,7 +86,8 @@ fn window(label: &Label, sources: &SourceMap, style: Style) -> String {
     format!("    {lead}{here}{after}{tail}\n{}\n", marked.trim_end())
 }
 
-/// Some characters up to the end of the line, and whether it goes on; what cannot be shown is replaced.
+/// Returns the next characters up to the end of the line, and whether the line continues. Control characters are
+/// replaced.
 fn part(chars: impl Iterator<Item = char>) -> (String, bool) {
     let mut line = chars.take_while(|c| *c != '\n');
     let shown = line.by_ref().take(AROUND).map(|c| match c {

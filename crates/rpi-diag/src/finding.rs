@@ -1,64 +1,64 @@
-//! One finding: a code, a sentence, the places involved, and what to do about it.
+//! Diagnostic: a code, a message, labelled locations, and fixes.
 
 use crate::{Code, FileId, Severity, Span};
 
-/// Something that a check found out about a program.
+/// Error, warning or note about a program.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Finding {
-    /// What kind it is; severity, title and page follow from it.
+    /// Code; it determines the severity, the title and the explanation page.
     pub code: Code,
-    /// What is wrong here, in words for the writer of the program: lower case, no full stop.
+    /// Description of the problem for the author of the program: lower case, no full stop.
     pub message: String,
-    /// The places involved; the primary ones are where the fault is.
+    /// Labelled locations; the primary ones are where the error is.
     pub labels: Vec<Label>,
-    /// What the writer can do.
+    /// Suggestions for the author of the program.
     pub help: Vec<String>,
-    /// What helps to understand.
+    /// Background information.
     pub notes: Vec<String>,
-    /// Edits that mend it.
+    /// Possible fixes, the best first.
     pub fixes: Vec<Fix>,
 }
 
-/// A place with a remark.
+/// Source location with a text.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Label {
-    /// Where.
+    /// Labelled range.
     pub span: Span,
-    /// What is to be seen there; may be empty.
+    /// Role of the location; may be empty.
     pub text: String,
-    /// Whether the fault itself is here.
+    /// Whether this is the location of the error itself.
     pub primary: bool,
 }
 
-/// A change of the text that mends a finding.
+/// Change of the source text that fixes a diagnostic.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Fix {
-    /// What the change does, as an imperative: "insert `pre`".
+    /// Description of the change in the imperative: "insert `pre`".
     pub title: String,
-    /// The edits; they do not overlap.
+    /// Edits; they do not overlap.
     pub edits: Vec<Edit>,
-    /// Whether a tool may apply it unasked.
+    /// Whether a tool may apply the fix without asking.
     pub applicability: Applicability,
 }
 
-/// The text of a place, replaced.
+/// Replacement of a range of source text.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Edit {
-    /// What is replaced; empty to insert.
+    /// Replaced range; empty for an insertion.
     pub span: Span,
-    /// By what; empty to delete.
+    /// New text; empty for a deletion.
     pub text: String,
 }
 
 impl Edit {
-    /// Whether it deletes whole lines of a text, with their ends.
+    /// Returns whether the edit deletes whole lines of the text, including their line ends.
     pub(crate) fn takes_lines(&self, text: &str) -> bool {
         let (start, end) = (self.span.start as usize, self.span.end as usize);
         let is_start = |at: usize| at == 0 || text.as_bytes().get(at - 1) == Some(&b'\n');
         self.text.is_empty() && start < end && is_start(start) && is_start(end)
     }
 
-    /// Deletes whole lines instead of leaving them empty.
+    /// Extends a deletion to whole lines if it would otherwise leave blank lines.
     pub fn take_lines(&mut self, text: &str) {
         let (start, end) = (self.span.start as usize, self.span.end as usize);
         let (Some(before), Some(after)) = (text.get(..start), text.get(end..)) else {
@@ -77,17 +77,17 @@ impl Edit {
     }
 }
 
-/// How sure a fix is.
+/// Confidence in a fix.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Applicability {
-    /// It is what the writer meant; a tool may apply it unasked.
+    /// Certainly what the author meant; a tool may apply it without asking.
     Sure,
-    /// It is one way out; the writer decides.
+    /// One of several possibilities; the author decides.
     Maybe,
 }
 
 impl Finding {
-    /// A finding without places; add them with [`Finding::at`].
+    /// Creates a diagnostic without locations; add them with [`Finding::at`].
     pub fn new(code: Code, message: impl Into<String>) -> Finding {
         Finding {
             code,
@@ -99,28 +99,29 @@ impl Finding {
         }
     }
 
-    /// A fault of the compiler itself, seen while it worked on what stands at a place.
+    /// Creates an internal compiler error (RPI9901) at the source location being compiled.
     #[must_use]
     pub fn of_compiler(message: impl Into<String>, place: Span) -> Finding {
         Finding::new(Code::RPI9901, message)
             .at(place, "made from this")
-            .note("this is a fault of the compiler, not of the program: please report it")
-            .help("until it is mended, try to write it in another way")
+            .note("this is a bug in the compiler, not an error in the program: please report it")
+            .help("until it is fixed, try to write the expression in another way")
     }
 
-    /// Adds a place where the fault is.
+    /// Adds a primary label: a location of the error.
     #[must_use]
     pub fn at(self, span: Span, text: impl Into<String>) -> Finding {
         self.label(span, text, true)
     }
 
-    /// Adds a place that has to do with it.
+    /// Adds a secondary label: a location related to the error.
     #[must_use]
     pub fn also(self, span: Span, text: impl Into<String>) -> Finding {
         self.label(span, text, false)
     }
 
-    /// The same where the fault is another one, that of a text from which this follows.
+    /// Returns the diagnostic with a new primary location: that of an earlier text from which this error follows. The
+    /// previous primary labels become secondary. The fixes are removed because they would edit the wrong location.
     #[must_use]
     pub fn because_of(mut self, span: Span, text: impl Into<String>) -> Finding {
         for label in &mut self.labels {
@@ -132,28 +133,28 @@ impl Finding {
         finding
     }
 
-    /// Adds what the writer can do.
+    /// Adds a suggestion for the author.
     #[must_use]
     pub fn help(mut self, text: impl Into<String>) -> Finding {
         self.help.push(text.into());
         self
     }
 
-    /// Adds what helps to understand.
+    /// Adds background information.
     #[must_use]
     pub fn note(mut self, text: impl Into<String>) -> Finding {
         self.notes.push(text.into());
         self
     }
 
-    /// Adds a change that mends it.
+    /// Adds a fix.
     #[must_use]
     pub fn fix(mut self, fix: Fix) -> Finding {
         self.fixes.push(fix);
         self
     }
 
-    /// Adds the name that may have been meant at a place, if there is one near enough.
+    /// Adds a "did you mean" suggestion and its fix, if there is a similar name.
     #[must_use]
     pub fn did_you_mean(self, span: Span, near: Option<impl Into<String>>) -> Finding {
         match near.map(Into::into) {
@@ -164,12 +165,12 @@ impl Finding {
         }
     }
 
-    /// How much it weighs; the table of codes says so.
+    /// Returns the severity, which the table of codes defines.
     pub fn severity(&self) -> Severity {
         self.code.severity()
     }
 
-    /// Where the fault is: the first primary place, else the first place, else [`Span::NONE`].
+    /// Returns the location of the error: the first primary label, else the first label, else [`Span::NONE`].
     pub fn span(&self) -> Span {
         let primary = self.labels.iter().find(|label| label.primary);
         primary
@@ -177,7 +178,7 @@ impl Finding {
             .map_or(Span::NONE, |label| label.span)
     }
 
-    /// The same finding where the files have other numbers: `files` tells them by the old ones.
+    /// Replaces the file numbers: `files[old]` is the new number of file `old`.
     #[must_use]
     pub fn renumbered(mut self, files: &[FileId]) -> Finding {
         let renumber = |span: &mut Span| {
@@ -204,7 +205,7 @@ impl Finding {
 }
 
 impl Fix {
-    /// The same, not to be applied unasked.
+    /// Returns the fix with [`Applicability::Maybe`].
     #[must_use]
     pub fn doubted(self) -> Fix {
         Fix {
@@ -213,17 +214,17 @@ impl Fix {
         }
     }
 
-    /// A change that is what the writer meant.
+    /// Creates a fix that is certainly what the author meant.
     pub fn sure(title: impl Into<String>) -> Fix {
         Fix::new(title, Applicability::Sure)
     }
 
-    /// A change that is one way out.
+    /// Creates a fix that is one of several possibilities.
     pub fn maybe(title: impl Into<String>) -> Fix {
         Fix::new(title, Applicability::Maybe)
     }
 
-    /// Its edits in the order of the text, without those of what has no text.
+    /// Returns the edits in source order, without those of [`Span::NONE`].
     pub(crate) fn in_order(&self) -> Vec<&Edit> {
         let mut edits: Vec<&Edit> = self.edits.iter().collect();
         edits.retain(|edit| !edit.span.is_none());
@@ -231,7 +232,7 @@ impl Fix {
         edits
     }
 
-    /// Adds: replace the text at `span` by `text`.
+    /// Adds an edit that replaces the text of `span`.
     #[must_use]
     pub fn replace(mut self, span: Span, text: impl Into<String>) -> Fix {
         self.edits.push(Edit {
@@ -241,7 +242,7 @@ impl Fix {
         self
     }
 
-    /// Adds: insert `text` where `span` starts.
+    /// Adds an edit that inserts `text` before `span`.
     #[must_use]
     pub fn insert_before(self, span: Span, text: impl Into<String>) -> Fix {
         self.replace(
@@ -253,7 +254,7 @@ impl Fix {
         )
     }
 
-    /// Adds: insert `text` where `span` ends.
+    /// Adds an edit that inserts `text` after `span`.
     #[must_use]
     pub fn insert_after(self, span: Span, text: impl Into<String>) -> Fix {
         self.replace(

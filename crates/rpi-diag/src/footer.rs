@@ -1,8 +1,8 @@
-//! What stands under the snippets of a finding: help, notes, and the fixes with the lines they make.
+//! Text below the snippets of a diagnostic: help, notes, and fixes with a preview of the changed lines.
 
 use crate::{Edit, Finding, Fix, SourceMap, Span, Style};
 
-/// The lines under the snippets, each ended; empty if there is nothing to say.
+/// Draws the lines below the snippets. Every line ends with a newline; the result is empty if there is nothing to draw.
 pub(crate) fn draw(finding: &Finding, sources: &SourceMap, style: Style) -> String {
     let mut out = String::new();
     for text in &finding.help {
@@ -18,7 +18,7 @@ pub(crate) fn draw(finding: &Finding, sources: &SourceMap, style: Style) -> Stri
     out
 }
 
-/// `  head: text`, wrapped, further lines aligned with the text. Line breaks in the text are kept.
+/// Formats `  head: text`, wrapped, with further lines aligned to the text. Line breaks in the text are kept.
 fn paragraph(head: &str, text: &str, style: Style) -> String {
     let indent = head.len() + 4;
     let lines = text
@@ -34,8 +34,8 @@ fn paragraph(head: &str, text: &str, style: Style) -> String {
     out
 }
 
-/// Breaks a line at spaces so that each part has at most `width` characters, where words allow it.
-/// Leading spaces (a drawing, a table) keep a line as it is.
+/// Breaks a line at spaces into parts of at most `width` characters, unless a single word is longer. A line with
+/// leading spaces (a drawing, a table) is kept as it is.
 fn wrap(line: &str, width: usize) -> Vec<String> {
     if line.starts_with(' ') {
         return vec![line.to_owned()];
@@ -56,7 +56,7 @@ fn wrap(line: &str, width: usize) -> Vec<String> {
     lines
 }
 
-/// The lines that a fix touches, as they would read; lines that lose text are shown as they were, too.
+/// Draws the lines changed by a fix as they will be; lines that lose text are also shown as they were.
 fn preview(fix: &Fix, sources: &SourceMap, style: Style) -> String {
     let edits = fix.in_order();
     let mut out = String::new();
@@ -74,14 +74,14 @@ fn preview(fix: &Fix, sources: &SourceMap, style: Style) -> String {
     out
 }
 
-/// Lines longer than this are not shown again with a fix.
+/// Length in bytes beyond which a changed region is not previewed.
 const LONGEST: u32 = 400;
 
-/// Whole lines around an edit.
+/// Whole source lines around an edit.
 struct Region {
     span: Span,
     first_line: u32,
-    /// Whether nothing is left of them.
+    /// Whether the edit deletes all of the lines.
     goes: bool,
 }
 

@@ -1,25 +1,25 @@
-//! The forms in which findings can be asked for.
+//! Output formats of diagnostics.
 
 use std::str::FromStr;
 
 use crate::{Finding, SourceMap, Style, github, json, render, sarif};
 
-/// A form of output for findings.
+/// Output format of diagnostics.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Format {
-    /// For people, with snippets.
+    /// Text with source snippets, for people.
     Human,
-    /// One line per finding: `file:line:col: severity CODE: message`.
+    /// One line per diagnostic: `file:line:col: severity CODE: message`.
     Short,
-    /// All that is known, as one JSON object.
+    /// One JSON object with all details.
     Json,
-    /// SARIF 2.1.0, as code scanners read it.
+    /// SARIF 2.1.0, read by code scanners.
     Sarif,
     /// Workflow commands of GitHub Actions.
     Github,
 }
 
-/// The forms by name, in the order in which help texts list them.
+/// Formats by name, in the order of the help texts.
 const NAMES: [(&str, Format); 5] = [
     ("human", Format::Human),
     ("short", Format::Short),
@@ -29,7 +29,7 @@ const NAMES: [(&str, Format); 5] = [
 ];
 
 impl Format {
-    /// The names that [`Format::from_str`] takes.
+    /// Returns the names that [`Format::from_str`] accepts.
     pub fn names() -> impl Iterator<Item = &'static str> {
         NAMES.iter().map(|(name, _)| *name)
     }
@@ -42,12 +42,15 @@ impl FromStr for Format {
         let found = NAMES.iter().find(|(known, _)| *known == name);
         found.map(|(_, format)| *format).ok_or_else(|| {
             let names: Vec<&str> = Format::names().collect();
-            format!("no such form: {name} (there are {})", names.join(", "))
+            format!(
+                "unknown format: {name} (expected one of {})",
+                names.join(", ")
+            )
         })
     }
 }
 
-/// Renders findings in the form asked for; `style` matters to [`Format::Human`] only.
+/// Renders diagnostics in the given format; `style` applies to [`Format::Human`] only.
 pub fn render_as(
     format: Format,
     findings: &[Finding],

@@ -1,11 +1,11 @@
-//! Findings as workflow commands of GitHub Actions, which annotate the lines of a change.
+//! Output as workflow commands of GitHub Actions, which annotate the lines of a change.
 //!
-//! Form: `::error file=..,line=..,col=..,endLine=..,endColumn=..,title=..::message`, as GitHub's
-//! "Workflow commands for GitHub Actions" describes it.
+//! Syntax: `::error file=..,line=..,col=..,endLine=..,endColumn=..,title=..::message`, as documented in GitHub's
+//! "Workflow commands for GitHub Actions".
 
 use crate::{Finding, Severity, SourceMap};
 
-/// One command per finding.
+/// Renders one command per diagnostic.
 pub(crate) fn render(findings: &[Finding], sources: &SourceMap) -> String {
     findings
         .iter()
@@ -41,7 +41,7 @@ fn place(finding: &Finding, sources: &SourceMap) -> Vec<String> {
         format!("line={}", start.line),
         format!("endLine={}", end.line),
     ];
-    // Columns are for places within one line.
+    // GitHub accepts columns only for ranges within one line.
     if start.line == end.line {
         place.push(format!("col={}", start.col));
         place.push(format!("endColumn={}", end.col));

@@ -1,13 +1,13 @@
-//! Findings as one JSON object: all that is known, places both as bytes and as line and column.
+//! Output as one JSON object with all details. Locations are given both as byte offsets and as line and column.
 
 use serde::Serialize;
 
 use crate::{Applicability, Edit, Finding, Fix, Label, LineCol, SourceMap, Span};
 
-/// Raised when a field changes its meaning or goes away; new fields do not raise it.
+/// Version of the schema. It is incremented when a field changes its meaning or is removed, not for new fields.
 const SCHEMA_VERSION: u32 = 1;
 
-/// The object, indented, with a line end.
+/// Renders the indented object and a final newline.
 pub(crate) fn render(findings: &[Finding], sources: &SourceMap) -> String {
     let findings = findings
         .iter()
@@ -20,7 +20,7 @@ pub(crate) fn render(findings: &[Finding], sources: &SourceMap) -> String {
     })
 }
 
-/// Any of our structures as indented JSON. Strings and numbers always serialise.
+/// Serialises a value as indented JSON. The types of this crate only contain strings and numbers, so this cannot fail.
 pub(crate) fn pretty(value: &impl Serialize) -> String {
     serde_json::to_string_pretty(value).unwrap_or_default() + "\n"
 }
@@ -67,7 +67,7 @@ struct EditRow<'a> {
     text: &'a str,
 }
 
-/// `file` is null for a place without text.
+/// Range in a file; `file` is null for a location without text.
 #[derive(Serialize)]
 struct PlaceRow<'a> {
     file: Option<&'a str>,
@@ -75,7 +75,7 @@ struct PlaceRow<'a> {
     end: PointRow,
 }
 
-/// `offset` counts bytes from 0; `line` and `col` count from 1, `col` in Unicode scalar values.
+/// Position: `offset` counts bytes from 0, `line` and `col` count from 1, `col` in Unicode scalar values.
 #[derive(Serialize)]
 struct PointRow {
     offset: usize,
@@ -113,7 +113,7 @@ fn label_row<'a>(label: &'a Label, sources: &'a SourceMap) -> LabelRow<'a> {
     }
 }
 
-/// `sure` or `maybe`.
+/// Returns `sure` or `maybe`.
 pub(crate) fn applicability(applicability: Applicability) -> &'static str {
     match applicability {
         Applicability::Sure => "sure",

@@ -1,18 +1,17 @@
-//! Findings: the one table of codes, their pages, and how they are shown.
+//! Diagnostics: the table of codes, their explanation pages, and rendering.
 //!
-//! Every stage that looks at a program says what it found as a [`Finding`]: a code, a sentence, the
-//! places involved and, where one exists, the fix. This crate knows how findings are declared and
-//! shown; it must not know what any of them means. The words for people live beside the check that
-//! knows the facts.
+//! Every stage of the compiler reports a problem as a [`Finding`]: a code, a message, labelled locations and, where one
+//! exists, a fix. This crate declares codes and renders diagnostics; it must not depend on their meaning. The message
+//! is written in the code that performs the check.
 //!
 //! | file | idea |
 //! |---|---|
-//! | `span.rs` | places in source texts |
+//! | `span.rs` | locations in source texts |
 //! | `codes.rs` | the table of codes |
-//! | `finding.rs` | one finding |
-//! | `format.rs` | the forms of output: `render.rs` (for people), `json.rs`, `sarif.rs`, `github.rs` |
-//! | `snippet.rs`, `apart.rs`, `texts.rs`, `footer.rs` | the parts of the form for people |
-//! | `style.rs` | what a terminal can show |
+//! | `finding.rs` | a diagnostic |
+//! | `format.rs` | output formats: `render.rs` (for people), `json.rs`, `sarif.rs`, `github.rs` |
+//! | `snippet.rs`, `apart.rs`, `texts.rs`, `footer.rs` | parts of the output for people |
+//! | `style.rs` | capabilities of the terminal |
 //! | `apply.rs` | applying fixes to texts |
 //! | `suggest.rs` | "did you mean" |
 

@@ -1,16 +1,16 @@
-//! Findings for people: headline, snippets, then help, notes and fixes.
+//! Output for people: headline, snippets, help, notes and fixes.
 
 use crate::count::counted;
 use crate::footer;
 use crate::{Finding, Severity, SourceMap, Style, cut, snippet};
 
-/// Findings that are shown; whoever has more reads the others once these are mended.
+/// Largest number of diagnostics that are rendered; the summary counts the others.
 const MOST: usize = 100;
 
-/// Renders findings one after another, and says at the end how many there were.
+/// Renders diagnostics in the given order, followed by a summary of their number.
 ///
-/// One finding reads: `error RPI0001: what is wrong`, the lines of source with the places marked,
-/// then what to do. The order is the caller's. Of very many findings the first are shown.
+/// A diagnostic consists of the headline `error RPI0001: message`, the source lines with marked locations, and the
+/// help. At most [`MOST`] diagnostics are rendered.
 pub fn render(findings: &[Finding], sources: &SourceMap, style: Style) -> String {
     let mut out = String::new();
     for finding in findings.iter().take(MOST) {
@@ -28,7 +28,7 @@ pub fn render(findings: &[Finding], sources: &SourceMap, style: Style) -> String
     out
 }
 
-/// `2 errors, 1 warning; ...` and where to read more; nothing for no findings.
+/// Returns `2 errors, 1 warning; ...` and how to get an explanation; empty if there are no diagnostics.
 fn summary(findings: &[Finding]) -> String {
     let Some(first) = findings.first() else {
         return String::new();

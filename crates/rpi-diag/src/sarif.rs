@@ -1,11 +1,11 @@
-//! Findings as SARIF 2.1.0 (OASIS Static Analysis Results Interchange Format), the part of it that
-//! code scanners read: rules with their pages, results with places and fixes.
+//! Output in SARIF 2.1.0 (OASIS Static Analysis Results Interchange Format), limited to what code scanners read: rules
+//! with their pages, results with locations and fixes.
 
 use serde::Serialize;
 
 use crate::{Code, Edit, Finding, Fix, Label, Severity, SourceMap, Span, json};
 
-/// The log of one run.
+/// Renders the log of one run.
 pub(crate) fn render(findings: &[Finding], sources: &SourceMap) -> String {
     let mut codes: Vec<Code> = findings.iter().map(|finding| finding.code).collect();
     codes.sort();
@@ -126,7 +126,8 @@ struct Artifact {
 }
 
 impl Artifact {
-    /// A file by its name, as RFC 3986 wants references: escaped, with slashes, absolute ones with their scheme.
+    /// Creates the URI reference of a file (RFC 3986): percent-escaped, with slashes; absolute paths get the `file`
+    /// scheme.
     fn of(name: &str) -> Artifact {
         let path = name.replace('\\', "/");
         let is_drive = path.as_bytes().get(1) == Some(&b':');
@@ -167,7 +168,7 @@ struct SarifFix<'a> {
     properties: FixProperties,
 }
 
-/// What SARIF has no place for: whether the fix may be applied unasked.
+/// SARIF property bag for the applicability of a fix, which SARIF itself cannot represent.
 #[derive(Serialize)]
 struct FixProperties {
     applicability: &'static str,
@@ -187,7 +188,7 @@ struct Replacement<'a> {
     inserted_content: Text<'a>,
 }
 
-/// SARIF happens to use our words for the levels.
+/// Returns the SARIF level. SARIF uses the same names as [`Severity::as_str`].
 fn level(severity: Severity) -> &'static str {
     severity.as_str()
 }
@@ -232,6 +233,7 @@ fn locations<'a>(finding: &'a Finding, primary: bool, sources: &'a SourceMap) ->
         .labels
         .iter()
         .filter(|label| label.primary == primary && !label.span.is_none());
+    // The SARIF schema requires unique items in both lists of locations.
     let mut once: Vec<&Label> = Vec::new();
     for label in labels {
         if !once.contains(&label) {
@@ -249,7 +251,7 @@ fn locations<'a>(finding: &'a Finding, primary: bool, sources: &'a SourceMap) ->
         .collect()
 }
 
-/// A fix, its replacements file by file; none for a fix of what has no text.
+/// Converts a fix, with its replacements grouped by file. Returns `None` for a fix without a source location.
 fn sarif_fix<'a>(fix: &'a Fix, sources: &'a SourceMap) -> Option<SarifFix<'a>> {
     let edits = fix.in_order();
     let files = edits.chunk_by(|a, b| a.span.file == b.span.file);

@@ -1,4 +1,4 @@
-//! The headline and the source snippets of a finding, drawn by miette.
+//! Headline and source snippets of a diagnostic, drawn with miette.
 
 use std::fmt;
 
@@ -8,25 +8,26 @@ use crate::apart::{Mark, apart};
 use crate::texts::Texts;
 use crate::{Finding, Severity, SourceMap, Style};
 
-/// The headline and the snippets of a finding, each line ended.
+/// Draws the headline and the snippets of a diagnostic. Every line ends with a newline.
 pub(crate) fn draw(finding: &Finding, sources: &SourceMap, style: Style) -> String {
     let shown = Shown {
         finding,
         texts: Texts::of(finding, sources),
     };
     let mut out = String::new();
+    // No hyperlinks, because not every terminal supports the escape sequence (OSC 8).
     let handler = GraphicalReportHandler::new_themed(theme(&shown, style))
         .with_links(false)
         .with_width(style.width)
         .with_break_words(false)
         .with_context_lines(1)
         .without_syntax_highlighting();
-    // Writing to a string does not fail, and the ranges were clamped to the text.
+    // Writing to a string does not fail, and all ranges are within the text because they were clamped.
     let _ = handler.render_report(&mut out, &shown);
     tidy(&out)
 }
 
-/// The headline at the left edge; no spaces before line ends.
+/// Removes the indentation of the headline and trailing spaces.
 fn tidy(drawn: &str) -> String {
     let drawn = drawn.strip_prefix("  ").unwrap_or(drawn);
     drawn
@@ -35,7 +36,7 @@ fn tidy(drawn: &str) -> String {
         .collect()
 }
 
-/// miette's theme with our headline and our colours.
+/// Returns miette's theme with the headline and the colours of this crate.
 fn theme(shown: &Shown<'_>, style: Style) -> GraphicalTheme {
     let mut theme = match (style.color, style.unicode) {
         (true, true) => GraphicalTheme::unicode(),
@@ -57,7 +58,7 @@ fn theme(shown: &Shown<'_>, style: Style) -> GraphicalTheme {
     theme
 }
 
-/// The fault in the colour of its severity, all that has to do with it in the colour of help.
+/// Sets the colours: primary labels get that of the severity, secondary labels that of help texts.
 fn paint(theme: &mut GraphicalTheme, shown: &Shown<'_>) {
     let styles = &mut theme.styles;
     let fault = match shown.finding.severity() {
@@ -66,7 +67,7 @@ fn paint(theme: &mut GraphicalTheme, shown: &Shown<'_>) {
         Severity::Note => styles.advice,
     };
     styles.link = styles.help;
-    // miette hands the colours out in the order of the places.
+    // miette assigns the colours to the labels in the order of their offsets.
     let mut labels = shown.placed();
     labels.sort_by_key(|label| label.offset());
     let colors = labels
@@ -75,7 +76,7 @@ fn paint(theme: &mut GraphicalTheme, shown: &Shown<'_>) {
     styles.highlights = colors.collect();
 }
 
-/// A finding as miette wants to see it.
+/// Adapter of a diagnostic to the trait of miette.
 struct Shown<'a> {
     finding: &'a Finding,
     texts: Texts<'a>,

@@ -1,37 +1,37 @@
-//! Places in source texts: files, byte ranges, lines and columns.
+//! Locations in source texts: files, byte ranges, lines and columns.
 
 use std::fmt;
 
-/// A source text in a [`SourceMap`].
+/// Identifier of a source text in a [`SourceMap`].
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, PartialOrd, Ord)]
 pub struct FileId(pub u32);
 
-/// A range of bytes `start..end` in one file.
+/// Range of bytes `start..end` in one file.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, PartialOrd, Ord)]
 pub struct Span {
-    /// The text that the range lies in.
+    /// File that contains the range.
     pub file: FileId,
-    /// First byte.
+    /// Offset of the first byte.
     pub start: u32,
-    /// One past the last byte.
+    /// Offset after the last byte.
     pub end: u32,
 }
 
 impl Span {
-    /// The place of what has no text: a net that a program made, a built-in declaration.
+    /// Location of an item without source text, such as a generated net or a built-in declaration.
     pub const NONE: Span = Span {
         file: FileId(u32::MAX),
         start: 0,
         end: 0,
     };
 
-    /// The range `start..end` of `file`, in bytes.
+    /// Creates the range `start..end` of `file`, in bytes.
     pub const fn new(file: FileId, start: u32, end: u32) -> Span {
         Span { file, start, end }
     }
 
-    /// The smallest range over both. [`Span::NONE`] is the neutral element; of two files the first
-    /// range is kept, as no range spans files.
+    /// Returns the smallest range that contains both. [`Span::NONE`] is the neutral element. If the files differ,
+    /// `self` is returned, because a range cannot span files.
     #[must_use]
     pub fn merge(self, other: Span) -> Span {
         match (self.is_none(), other.is_none()) {
@@ -46,29 +46,29 @@ impl Span {
         }
     }
 
-    /// Whether another place lies in this one.
+    /// Returns whether `other` lies within this range.
     #[must_use]
     pub fn contains(self, other: Span) -> bool {
         self.file == other.file && self.start <= other.start && other.end <= self.end
     }
 
-    /// Whether no byte lies in the range.
+    /// Returns whether the range contains no byte.
     pub fn is_empty(self) -> bool {
         self.start >= self.end
     }
 
-    /// Whether this place has no text.
+    /// Returns whether this is [`Span::NONE`], the location of an item without source text.
     pub fn is_none(self) -> bool {
         self.file == Span::NONE.file
     }
 }
 
-/// A line and a column, both counted from 1; the column counts Unicode scalar values.
+/// Line and column, both counted from 1; the column counts Unicode scalar values.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, PartialOrd, Ord)]
 pub struct LineCol {
     /// Line, from 1.
     pub line: u32,
-    /// Column, from 1.
+    /// Column, from 1, in Unicode scalar values.
     pub col: u32,
 }
 
@@ -78,7 +78,7 @@ impl fmt::Display for LineCol {
     }
 }
 
-/// The source texts of one run, by name.
+/// Source texts of one run, with their names.
 #[derive(Clone, Debug, Default)]
 pub struct SourceMap {
     files: Vec<SourceFile>,
@@ -88,17 +88,17 @@ pub struct SourceMap {
 struct SourceFile {
     name: String,
     text: String,
-    /// Byte offsets at which lines start; the first is 0.
+    /// Byte offsets of the line starts; the first is 0.
     line_starts: Vec<usize>,
 }
 
 impl SourceMap {
-    /// An empty map.
+    /// Creates an empty map.
     pub fn new() -> SourceMap {
         SourceMap::default()
     }
 
-    /// Takes up a text under the name that messages shall show.
+    /// Adds a text under the name that messages show, and returns its identifier.
     pub fn add(&mut self, name: impl Into<String>, text: impl Into<String>) -> FileId {
         let text = text.into();
         let line_starts = line_starts(&text);
@@ -110,8 +110,8 @@ impl SourceMap {
         FileId(u32::try_from(self.files.len() - 1).unwrap_or(u32::MAX))
     }
 
-    /// Takes up all files of another map; a file of the same name and text is the same file. For each file of the other
-    /// map, in its order, the file here.
+    /// Adds all files of another map, except those already present with the same name and text. Returns the new
+    /// identifier of each file of the other map, in its order.
     pub fn absorb(&mut self, other: &SourceMap) -> Vec<FileId> {
         let mut taken = Vec::with_capacity(other.files.len());
         for file in &other.files {
@@ -122,38 +122,38 @@ impl SourceMap {
         taken
     }
 
-    /// The name of a file; empty for one that is not in the map.
+    /// Returns the name of a file; empty if the file is not in the map.
     pub fn name(&self, id: FileId) -> &str {
         self.file(id).map_or("", |f| &f.name)
     }
 
-    /// The text of a file; empty for one that is not in the map.
+    /// Returns the text of a file; empty if the file is not in the map.
     pub fn text(&self, id: FileId) -> &str {
         self.file(id).map_or("", |f| &f.text)
     }
 
-    /// All files, in the order in which they were added.
+    /// Returns all files in the order in which they were added.
     pub fn files(&self) -> impl Iterator<Item = FileId> + '_ {
         (0..self.files.len()).map(|i| FileId(i as u32))
     }
 
-    /// The text of a range, clamped to the file and to whole characters.
+    /// Returns the text of a range, clamped to the file and to character boundaries.
     pub fn slice(&self, span: Span) -> &str {
         let (start, end) = self.clamp(span);
         &self.text(span.file)[start..end]
     }
 
-    /// Where a range starts. `1:1` for a file that is not in the map.
+    /// Returns the line and column of the start of a range; `1:1` if the file is not in the map.
     pub fn line_col(&self, span: Span) -> LineCol {
         self.line_col_at(span.file, self.clamp(span).0)
     }
 
-    /// Where a range ends: the place just after its last character.
+    /// Returns the line and column just after the last character of a range.
     pub fn line_col_end(&self, span: Span) -> LineCol {
         self.line_col_at(span.file, self.clamp(span).1)
     }
 
-    /// The range as byte offsets that lie in the text and on character boundaries.
+    /// Clamps a range to the text and to character boundaries. Returns the byte offsets of start and end.
     pub(crate) fn clamp(&self, span: Span) -> (usize, usize) {
         let text = self.text(span.file);
         let start = floor_char(text, span.start as usize);
@@ -184,7 +184,7 @@ fn line_starts(text: &str) -> Vec<usize> {
         .collect()
 }
 
-/// The largest character boundary of `text` that is at most `offset`.
+/// Returns the largest character boundary of `text` that is at most `offset`.
 fn floor_char(text: &str, offset: usize) -> usize {
     let offset = offset.min(text.len());
     (0..=offset)

@@ -1,30 +1,30 @@
-//! How a terminal wants its findings.
+//! Terminal capabilities that influence the output.
 
 use std::io::IsTerminal;
 
 use terminal_size::{Width, terminal_size};
 
-/// What the reader's terminal can show.
+/// Capabilities of the output terminal.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Style {
-    /// Colours by ANSI escapes.
+    /// Whether to use colours (ANSI escape sequences).
     pub color: bool,
-    /// Line drawing with Unicode characters; ASCII otherwise.
+    /// Whether to draw lines with Unicode characters; ASCII otherwise.
     pub unicode: bool,
-    /// Columns at which prose is wrapped.
+    /// Column at which text is wrapped.
     pub width: usize,
 }
 
 impl Style {
-    /// No escapes at all, 100 columns: for files, pipes and tests.
+    /// Style without escape sequences, 100 columns wide: for files, pipes and tests.
     pub const PLAIN: Style = Style {
         color: false,
         unicode: true,
         width: 100,
     };
 
-    /// What suits a stream: colours only on a terminal that did not ask to go without (`NO_COLOR`,
-    /// see <https://no-color.org>, or `TERM=dumb`); no wider than the terminal.
+    /// Detects the style of a stream. Colours are used on a terminal only, unless `NO_COLOR` (see
+    /// <https://no-color.org>) or `TERM=dumb` is set. The width is at most that of the terminal.
     pub fn of(stream: &impl IsTerminal) -> Style {
         let refused = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty())
             || std::env::var_os("TERM").is_some_and(|term| term == "dumb");
@@ -40,7 +40,7 @@ impl Style {
     }
 }
 
-/// Prose in a terminal of so many columns: neither squeezed nor in lines that the eye loses.
+/// Clamps the width of a terminal to a readable text width: 40 to 100 columns.
 fn readable(columns: usize) -> usize {
     columns.clamp(40, Style::PLAIN.width)
 }

@@ -1,8 +1,8 @@
-//! "Did you mean": the nearest of the names that would have been right.
+//! "Did you mean" suggestions: the valid name nearest to an invalid one.
 
-/// The candidate nearest to `name`, if one is near enough to be a slip of the fingers: at most one
-/// change for every three characters (two for five), and fewer changes than characters. Equally near ones are
-/// decided by the alphabet, so that the answer does not depend on the order of the candidates.
+/// Returns the candidate nearest to `name`, if the distance is at most one edit per three characters (two for five) and
+/// less than the length of the name. Ties are broken alphabetically, so that the result does not depend on the order of
+/// the candidates.
 pub fn suggest<'a>(name: &str, candidates: impl Iterator<Item = &'a str>) -> Option<String> {
     let mut wanted = Wanted::new(name);
     let mut best: Option<(usize, &str)> = None;
@@ -13,13 +13,13 @@ pub fn suggest<'a>(name: &str, candidates: impl Iterator<Item = &'a str>) -> Opt
     best.map(|(_, candidate)| candidate.to_owned())
 }
 
-/// A name that others are compared with, and the tables for it, which all comparisons share.
+/// Name to compare candidates with, and the distance tables, which all comparisons reuse.
 struct Wanted {
     name: Vec<char>,
-    /// The largest distance that counts.
+    /// Largest accepted distance.
     limit: usize,
     other: Vec<char>,
-    /// The row being filled, the one before and the one before that.
+    /// Rows of the distance table: the current one, the previous one, and the one before.
     rows: [Vec<usize>; 3],
 }
 
@@ -35,9 +35,9 @@ impl Wanted {
         }
     }
 
-    /// Damerau-Levenshtein distance in its "optimal string alignment" form, letters of either case alike: the least
-    /// number of insertions, deletions, substitutions and swaps of neighbours that make one into the other, no place
-    /// changed twice. None if it is beyond the limit.
+    /// Returns the case-insensitive Damerau-Levenshtein distance in its "optimal string alignment" form: the least
+    /// number of insertions, deletions, substitutions and swaps of neighbours, with no position edited twice. Returns
+    /// `None` if the distance exceeds the limit.
     fn distance(&mut self, other: &str) -> Option<usize> {
         self.other.clear();
         self.other.extend(lower(other));
@@ -60,7 +60,7 @@ impl Wanted {
             .filter(|far| *far <= self.limit)
     }
 
-    /// The distances of the first `i` letters from each beginning of the other name.
+    /// Fills the row with the distances of the first `i` characters from each prefix of the other name.
     fn fill(&mut self, i: usize) {
         let (a, b) = (&self.name, &self.other);
         let [row, last, two_ago] = &mut self.rows;

@@ -1,7 +1,6 @@
-//! What the tools say on standard error. Whoever has closed it, or a disk that is full, does not want to know: that is no
-//! reason to end in a panic, as `eprint!` does.
+//! Macros that write to standard error and ignore write errors (closed pipe, full disk). `eprint!` would panic then.
 
-/// Writes to standard error, as `eprint!` does.
+/// Writes to standard error like `eprint!`, but ignores write errors.
 #[macro_export]
 macro_rules! tell {
     ($($text:tt)*) => {{
@@ -10,7 +9,7 @@ macro_rules! tell {
     }};
 }
 
-/// Writes a line to standard error, as `eprintln!` does.
+/// Writes a line to standard error like `eprintln!`, but ignores write errors.
 #[macro_export]
 macro_rules! tell_line {
     ($($text:tt)*) => {{

@@ -1,22 +1,22 @@
-//! The texts of a finding's files in one address space, as miette reads them.
+//! Source texts of a diagnostic in one address space, as miette requires.
 //!
-//! The files lie one after another with a gap of one, the file of the fault first; a range that
-//! crosses files cannot be read, and so miette draws one snippet per file. The reading is our own,
-//! as miette's counts columns in bytes and joins snippets that are far apart in long files.
+//! The files follow one another with a gap of one byte, the file of the error first. A range that crosses files cannot
+//! be read, so miette draws one snippet per file. `SourceCode` is implemented here instead of using miette's
+//! `NamedSource`, because that counts columns in bytes and joins distant snippets of long files.
 
 use miette::{MietteError, MietteSpanContents, SourceCode, SourceSpan, SpanContents};
 
 use crate::{FileId, Finding, SourceMap, Span};
 
-/// Snippets this many lines apart are drawn as one.
+/// Number of lines between two labels up to which they are drawn in one snippet.
 const NEAR: usize = 2;
 
-/// The texts of one finding.
+/// Source texts of one diagnostic.
 pub(crate) struct Texts<'a> {
     sources: &'a SourceMap,
-    /// File and address of its first byte.
+    /// Each file and the address of its first byte.
     files: Vec<(FileId, usize)>,
-    /// Where the fault is.
+    /// Location of the error.
     fault: Span,
 }
 
@@ -39,8 +39,8 @@ impl<'a> Texts<'a> {
         }
     }
 
-    /// Address and length of a range; nothing for a place without text. The end of the file is shown
-    /// behind its last visible character, as no line is drawn for the emptiness after it.
+    /// Returns the address and length of a range, or `None` for a location without text. The end of the file is mapped
+    /// to the position after its last visible character, because miette draws no line for trailing blank text.
     pub(crate) fn place(&self, span: Span) -> Option<(usize, usize)> {
         let &(_, base) = self.files.iter().find(|&&(file, _)| file == span.file)?;
         let (start, end) = self.sources.clamp(span);
@@ -53,7 +53,7 @@ impl<'a> Texts<'a> {
         Some((base + start, end - start.min(end)))
     }
 
-    /// The text of a range of addresses.
+    /// Returns the text of a range of addresses.
     pub(crate) fn of_place(&self, range: std::ops::Range<usize>) -> &'a str {
         let place = self.find(range.start).and_then(|(file, base)| {
             let text = self.sources.text(file);
@@ -88,11 +88,11 @@ impl SourceCode for Texts<'_> {
         let from = (0..before).fold(line_start(text, start), |at, _| previous_line(text, at));
         let last = end.saturating_sub(usize::from(end > start));
         let to = (0..after).fold(line_end(text, last), |at, _| next_line_end(text, at));
-        // Without context the place itself is asked for, to be named by line and column.
+        // Without context, miette requests the label itself, to print its line and column.
         let from = if before == 0 { start } else { from };
         let line_col = |from| self.sources.line_col(Span::new(file, from, from));
         let (drawn, fault) = (line_col(from as u32), line_col(self.fault.start));
-        // The fault may be drawn from a later column on, beside what is marked within it.
+        // The mark of the error may begin at a later column, because it was shortened beside a mark within it.
         let is_fault = before == 0 && file == self.fault.file && drawn.line == fault.line;
         let at = if is_fault { fault } else { drawn };
         Ok(Box::new(MietteSpanContents::new_named(
@@ -110,7 +110,7 @@ fn line_start(text: &str, at: usize) -> usize {
     text[..at].rfind('\n').map_or(0, |newline| newline + 1)
 }
 
-/// One past the line's end, its line break included.
+/// Returns the offset after the end of the line, including its line break.
 fn line_end(text: &str, at: usize) -> usize {
     text.as_bytes()[at..]
         .iter()
@@ -118,7 +118,7 @@ fn line_end(text: &str, at: usize) -> usize {
         .map_or(text.len(), |newline| at + newline + 1)
 }
 
-/// The start of the line before the one that starts at `start`, unless that is blank.
+/// Returns the start of the line before the one that starts at `start`, or `start` if that line is blank.
 fn previous_line(text: &str, start: usize) -> usize {
     let previous = line_start(text, start.saturating_sub(1));
     if text[previous..start].trim().is_empty() {
@@ -128,7 +128,7 @@ fn previous_line(text: &str, start: usize) -> usize {
     }
 }
 
-/// The end of the line after the one that ends at `end`, unless that is blank.
+/// Returns the end of the line after the one that ends at `end`, or `end` if that line is blank.
 fn next_line_end(text: &str, end: usize) -> usize {
     let next = line_end(text, end);
     if text[end..next].trim().is_empty() {

@@ -1,4 +1,5 @@
-//! Forms for machines, held to their documents: SARIF 2.1.0 (OASIS) and GitHub's workflow commands.
+//! Conformance of the machine-readable formats to their specifications: SARIF 2.1.0 (OASIS) and GitHub's workflow
+//! commands.
 
 use rpi_diag::{Code, FileId, Finding, Fix, Format, SourceMap, Span, Style, render_as};
 use serde_json::Value;
@@ -89,7 +90,7 @@ fn sarif_results_point_to_rules_with_help() {
     );
 }
 
-/// What the schema asks of sets and lists: no two alike, none empty.
+/// The schema requires unique items and non-empty lists.
 #[test]
 fn sarif_sets_hold_everything_once_and_fixes_change_each_file_once() {
     let log = sarif();

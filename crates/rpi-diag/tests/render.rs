@@ -1,6 +1,6 @@
-//! How findings look: every form, as snapshots that were read by a person.
+//! Snapshots of all output formats, each reviewed by a person.
 //!
-//! The findings here are made by hand; what the compiler really says is tested in `tests/ui`.
+//! The diagnostics here are constructed by hand; those of the compiler are tested in `tests/ui`.
 
 use rpi_diag::{Code, FileId, Finding, Fix, Format, SourceMap, Span, Style, render, render_as};
 
@@ -38,7 +38,7 @@ let
 tel
 ";
 
-/// The `nth` place (from 0) where `what` stands in the file.
+/// Returns the `nth` occurrence (from 0) of `what` in the file.
 fn find(sources: &SourceMap, file: FileId, what: &str, nth: usize) -> Span {
     let (at, _) = sources
         .text(file)
@@ -211,7 +211,7 @@ fn a_fault_over_several_lines() {
     insta::assert_snapshot!(render(&[finding], &sources, Style::PLAIN));
 }
 
-/// Every range, inside and outside, of texts that are easy to get wrong.
+/// Draws every range, inside and outside the text, of texts that are easy to handle wrongly.
 #[test]
 fn odd_texts_and_places_are_drawn_without_panic() {
     let texts = [

@@ -1,4 +1,4 @@
-// The search box: names that contain what is typed, best first. Works from files, too.
+// Search box: lists the names that contain the typed text, best match first. Also works for pages opened as files.
 "use strict";
 
 (() => {
@@ -7,7 +7,7 @@
   const up = document.body.dataset.up;
   let chosen = -1;
 
-  // Smaller is better: the name itself, its beginning, a word in it, anywhere in it, in what is said about it.
+  // Rank of a match, smaller is better: whole name, prefix, word, substring, module, description.
   const rank = ([name, , module, , about], wanted) => {
     const lower = name.toLowerCase();
     if (lower === wanted) return 0;
@@ -47,7 +47,7 @@
       part(link, "span", about.replaceAll("`", ""));
       list.append(item);
     });
-    if (box.value.trim() && !rows.length) part(list, "li", "nothing found");
+    if (box.value.trim() && !rows.length) part(list, "li", "no results");
     chosen = -1;
     open(Boolean(box.value.trim()));
     choose(rows.length ? 0 : -1);

@@ -1,10 +1,10 @@
-//! Programs in HTML: words coloured by what they are, names with links.
+//! Programs in HTML: highlighted tokens, and names with links.
 
 use rpi_syntax::{Mode, PieceKind, pieces};
 
 use crate::html::escaped;
 
-/// A program or a part of one. `link` tells where a name leads.
+/// Returns a program or a part of one in HTML. `link` returns the target of a name, if it has one.
 pub(crate) fn code(text: &str, mode: Mode, link: &dyn Fn(&str) -> Option<String>) -> String {
     let mut out = String::with_capacity(2 * text.len());
     let mut at = 0;
@@ -30,7 +30,7 @@ fn coloured(kind: PieceKind, word: &str, link: &dyn Fn(&str) -> Option<String>) 
         PieceKind::Text => "s",
         PieceKind::Comment(_) => "c",
     };
-    // A span that goes over lines would be cut by the numbers of lines.
+    // A span over several lines would be broken by the line numbers.
     let lines = word.split('\n');
     let lines = lines.map(|line| format!("<span class=\"{class}\">{}</span>", escaped(line)));
     lines.collect::<Vec<_>>().join("\n")
@@ -43,7 +43,7 @@ fn named(word: &str, link: &dyn Fn(&str) -> Option<String>) -> String {
     }
 }
 
-/// A whole text with a number, which can be linked to, before each line.
+/// Returns a whole text in HTML, with a linkable number before each line.
 pub(crate) fn listing(text: &str, mode: Mode) -> String {
     let coloured = code(text, mode, &|_| None);
     let mut out = String::from("<pre class=\"listing\"><code>");
@@ -57,7 +57,7 @@ pub(crate) fn listing(text: &str, mode: Mode) -> String {
     out
 }
 
-/// A block of code.
+/// Returns a block of code in HTML.
 pub(crate) fn block(text: &str, mode: Mode, link: &dyn Fn(&str) -> Option<String>) -> String {
     let coloured = code(text.trim_end(), mode, link);
     format!("<pre class=\"code\"><code>{coloured}</code></pre>\n")

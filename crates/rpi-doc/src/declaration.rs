@@ -1,4 +1,4 @@
-//! One declaration: signature, doc comment, parts, net.
+//! A declaration in HTML: signature, doc comment, members, net.
 
 use rpi_driver::Inspected;
 use rpi_sema::query::{Def, DefId, DefKind};
@@ -12,16 +12,16 @@ use crate::markdown::markdown;
 use crate::parts;
 use crate::places::Places;
 
-/// What is needed to show declarations of one file.
+/// Context for the declarations of one file.
 pub(crate) struct Shown<'s> {
     pub(crate) seen: &'s Inspected,
     pub(crate) places: &'s Places,
-    /// The page of the source text, from the page of the module.
+    /// Path of the page with the source text, relative to the page of the module.
     pub(crate) listing: String,
 }
 
 impl Shown<'_> {
-    /// Where a name leads from within a declaration; not to the declaration itself.
+    /// Returns the target of a name within a declaration. A name of the declaration itself is not linked.
     pub(crate) fn link(&self, from: &Def, name: &str) -> Option<String> {
         let (file, offset) = (from.span.file, from.span.end);
         let index = self.seen.index();
@@ -33,7 +33,7 @@ impl Shown<'_> {
             .flatten()
     }
 
-    /// The declaration in a section of its own.
+    /// Returns the section of a declaration.
     pub(crate) fn section(&self, id: DefId, item: &Item) -> String {
         let def = self.seen.index().def(id);
         let link = |name: &str| self.link(def, name);
@@ -65,7 +65,8 @@ impl Shown<'_> {
         out
     }
 
-    /// The declaration without its body, in the style of the language; of several constants or types this one.
+    /// Returns the declaration without its body, formatted. Of several constants or types in one item, returns only
+    /// this one.
     fn signature(&self, def: &Def, item: &Item) -> String {
         match def.kind {
             DefKind::Const => {
@@ -97,7 +98,7 @@ impl Shown<'_> {
     }
 }
 
-/// Doc comments of parts stand in the tables below.
+/// Removes the doc comments of members, which are shown in the tables below the signature.
 fn without_docs(head: &str) -> String {
     let lines = head.lines();
     let kept: Vec<&str> = lines
@@ -106,7 +107,7 @@ fn without_docs(head: &str) -> String {
     kept.join("\n")
 }
 
-/// The language of a file.
+/// Returns the description of a file of this language.
 pub(crate) fn mode_word(mode: Mode) -> &'static str {
     match mode {
         Mode::Rpi => "module",

@@ -1,6 +1,6 @@
-//! Text in HTML, and the frame around every page.
+//! HTML escaping, and the frame of every page.
 
-/// Text as HTML shows it, in elements and in attributes.
+/// Escapes a text for HTML elements and attributes.
 pub(crate) fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
@@ -17,22 +17,22 @@ pub(crate) fn escaped(text: &str) -> String {
     out
 }
 
-/// What differs from page to page.
+/// Content of a page.
 pub(crate) struct Page<'p> {
-    /// Its title.
+    /// Title of the page.
     pub(crate) title: &'p str,
-    /// The name of the project.
+    /// Name of the project.
     pub(crate) project: &'p str,
-    /// From the page to the folder of the pages: empty or `../`.
+    /// Relative path from the page to the root folder of the site: empty or `../`.
     pub(crate) up: &'static str,
-    /// What stands at its side.
+    /// Content of the side bar, in HTML.
     pub(crate) side: &'p str,
-    /// What it holds.
+    /// Main content, in HTML.
     pub(crate) main: &'p str,
 }
 
 impl Page<'_> {
-    /// The whole page.
+    /// Returns the whole page.
     pub(crate) fn html(&self) -> String {
         let Page { up, side, main, .. } = self;
         let (title, project) = (escaped(self.title), escaped(self.project));
@@ -47,12 +47,12 @@ impl Page<'_> {
              <link rel=\"stylesheet\" href=\"{up}style.css\">\n\
              <script defer src=\"{up}names.js\"></script>\n\
              <script defer src=\"{up}search.js\"></script>\n</head>\n\
-             <body data-up=\"{up}\">\n<a class=\"skip\" href=\"#main\">To the content</a>\n\
+             <body data-up=\"{up}\">\n<a class=\"skip\" href=\"#main\">Skip to content</a>\n\
              <header>\n<a class=\"project\" href=\"{up}index.html\">{project}</a>\n\
              <div class=\"search\" role=\"search\">\n\
              <input id=\"search\" type=\"search\" placeholder=\"Search ( / )\" aria-label=\"Search names\" autocomplete=\"off\" role=\"combobox\" \
              aria-expanded=\"false\" aria-controls=\"found\">\n\
-             <ul id=\"found\" role=\"listbox\" aria-label=\"Found\" hidden></ul>\n</div>\n</header>\n\
+             <ul id=\"found\" role=\"listbox\" aria-label=\"Search results\" hidden></ul>\n</div>\n</header>\n\
              <div class=\"columns\">\n<nav aria-label=\"Contents\">\n{side}</nav>\n<main id=\"main\">\n{main}</main>\n</div>\n\
              </body>\n</html>\n"
         )

@@ -1,18 +1,18 @@
-//! The reference of a project, as pages in HTML: what `rpic doc` writes.
+//! Reference documentation of a project as HTML pages, written by `rpic doc`.
 //!
-//! [`Site::of`] takes checked modules and gives files: a page for each module with its declarations, doc comments and nets, the
-//! source texts, and an index that can be searched. The pages need no network and no server, and the same modules give the
-//! same bytes. This crate knows how declarations are shown; it must not know what makes them right, and opens no file.
+//! [`Site::of`] converts checked modules to files: a page for each module with its declarations, doc comments and nets,
+//! the source texts, and a searchable index. The pages need no network and no server, and the output is deterministic.
+//! This crate only shows declarations; it must not check them, and it opens no file.
 //!
 //! | file | idea |
 //! |---|---|
-//! | `site.rs` | the files |
-//! | `places.rs` | on which page a declaration stands |
-//! | `module.rs`, `declaration.rs`, `parts.rs` | a module, a declaration, its parameters, ports and results |
-//! | `code.rs` | programs: coloured, and with links |
+//! | `site.rs` | files of the site |
+//! | `places.rs` | links to declarations |
+//! | `module.rs`, `declaration.rs`, `parts.rs` | pages of modules, declarations, and their members |
+//! | `code.rs` | highlighted programs with links |
 //! | `markdown.rs` | doc comments |
-//! | `html.rs` | the frame around every page |
-//! | `drawing/` | nets and tasks, drawn |
+//! | `html.rs` | frame of every page |
+//! | `drawing/` | drawings of nets and tasks |
 
 mod code;
 mod declaration;

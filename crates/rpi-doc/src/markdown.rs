@@ -1,4 +1,5 @@
-//! Doc comments: Markdown (CommonMark with tables), with links to declarations and coloured examples. HTML in them is text.
+//! Rendering of doc comments: Markdown (CommonMark with tables), with links to declarations and highlighted examples.
+//! HTML in them is shown as text.
 
 use pulldown_cmark::{
     BrokenLink, CodeBlockKind, CowStr, Event, HeadingLevel, Options, Parser, Tag, TagEnd,
@@ -8,10 +9,10 @@ use rpi_syntax::Mode;
 use crate::code;
 use crate::html::escaped;
 
-/// Where a name leads, if it does.
+/// Function that returns the link target of a name, if it has one.
 pub(crate) type Link<'l> = &'l dyn Fn(&str) -> Option<String>;
 
-/// What a doc comment says, in HTML.
+/// Converts a doc comment to HTML.
 pub(crate) fn markdown(text: &str, link: Link<'_>) -> String {
     let resolved = |broken: BrokenLink<'_>| {
         let href = link(broken.reference.trim_matches('`'))?;
@@ -30,7 +31,7 @@ pub(crate) fn markdown(text: &str, link: Link<'_>) -> String {
     out
 }
 
-/// The first sentence of a doc comment, in HTML without blocks and links.
+/// Returns the first sentence of a doc comment, in HTML without blocks and links.
 pub(crate) fn summary(text: &str) -> String {
     let first = text.split("\n\n").next().unwrap_or_default();
     let joined = first.lines().map(str::trim).collect::<Vec<_>>().join(" ");
@@ -43,7 +44,8 @@ pub(crate) fn summary(text: &str) -> String {
     parts.collect()
 }
 
-/// The bytes up to the end of the first sentence: a point, a space, a large letter or a name. None ends within parentheses.
+/// Returns the length in bytes of the first sentence. A sentence ends with a full stop outside of parentheses, followed
+/// by a space and an upper-case letter or a backquote.
 fn sentence(text: &str) -> usize {
     let is_end = |at: &usize| {
         let (before, next) = (&text[..*at], text[at + 2..].chars().next());
@@ -56,9 +58,9 @@ fn sentence(text: &str) -> usize {
 
 struct Writer<'w> {
     link: Link<'w>,
-    /// The links that are open around here, and whether each leads somewhere.
+    /// Open links, and for each whether it is kept.
     links: Vec<bool>,
-    /// The block of code that is being read: its language and text.
+    /// Language and text of the code block that is being read.
     block: Option<(String, String)>,
 }
 
@@ -76,7 +78,7 @@ impl Writer<'_> {
             Event::Text(text) => self.text(text),
             Event::Html(text) | Event::InlineHtml(text) => Some(Event::Text(text)),
             Event::Code(text) => Some(self.quoted(text)),
-            // Pages show nothing that lies elsewhere; the words that stand for an image stay.
+            // Pages must not load external content, so images are replaced by their alternative text.
             Event::Start(Tag::Image { .. }) | Event::End(TagEnd::Image) => None,
             Event::Start(Tag::Link { ref dest_url, .. }) => {
                 let leads = is_safe(dest_url);
@@ -98,7 +100,7 @@ impl Writer<'_> {
         }
     }
 
-    /// A quoted name that is one is a link, too.
+    /// Turns a quoted name of a declaration into a link.
     fn quoted<'e>(&self, text: CowStr<'e>) -> Event<'e> {
         match (self.link)(&text).filter(|_| self.links.is_empty()) {
             Some(href) => {
@@ -110,7 +112,7 @@ impl Writer<'_> {
     }
 }
 
-/// The page has its own headings above those of a comment.
+/// Lowers a heading, because the page has its own headings above those of a comment.
 fn lowered(event: Event<'_>) -> Event<'_> {
     let below = |level: HeadingLevel| {
         HeadingLevel::try_from((level as usize + 3).min(6)).unwrap_or(HeadingLevel::H6)
@@ -142,7 +144,7 @@ fn written(language: &str, text: &str, link: Link<'_>) -> String {
     }
 }
 
-/// Whether a link may stand on a page: to the web, to a place on the pages, no scripts.
+/// Returns whether a link is allowed on a page: to the web or within the site, but no script.
 fn is_safe(url: &str) -> bool {
     let scheme = url.split(['/', '#', '?']).next().unwrap_or_default();
     match scheme.split_once(':') {

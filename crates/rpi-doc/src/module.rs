@@ -1,4 +1,4 @@
-//! The page of a module, and what of it other pages show.
+//! Page of a module, and the parts of it that other pages show.
 
 use rpi_driver::{Inspected, doc_blocks};
 use rpi_sema::query::{Def, DefId, DefKind};
@@ -9,7 +9,7 @@ use crate::html::escaped;
 use crate::markdown::{markdown, summary};
 use crate::places::is_top;
 
-/// The sections of a page, most wanted first.
+/// Sections of a page, in order of importance.
 const SECTIONS: &[(DefKind, &str)] = &[
     (DefKind::Command, "Commands"),
     (DefKind::Task, "Tasks"),
@@ -23,7 +23,7 @@ const SECTIONS: &[(DefKind, &str)] = &[
     (DefKind::Primitive, "Primitives"),
 ];
 
-/// The declarations of a module, by sections, each in the order of the text.
+/// Returns the declarations of a module by section, each in source order.
 pub(crate) fn sections(seen: &Inspected) -> Vec<(&'static str, Vec<(DefId, &Item)>)> {
     let declared = declared(seen);
     let of = |kind: DefKind| {
@@ -35,7 +35,7 @@ pub(crate) fn sections(seen: &Inspected) -> Vec<(&'static str, Vec<(DefId, &Item
     all.filter(|(_, found)| !found.is_empty()).collect()
 }
 
-/// Every declaration of the module's own files.
+/// Returns every declaration of the own files of the module.
 fn declared(seen: &Inspected) -> Vec<(DefId, &Item)> {
     let mut found = Vec::new();
     for item in seen.own_items() {
@@ -55,7 +55,8 @@ fn declared(seen: &Inspected) -> Vec<(DefId, &Item)> {
     found
 }
 
-/// What stands about the module at the top of its text: a doc comment with an empty line after it.
+/// Returns the description of the module: a doc comment at the top of its text that is followed by an empty line or a
+/// `use`.
 pub(crate) fn about(seen: &Inspected) -> Option<String> {
     let file = seen.sources.files().next()?;
     let text = seen.sources.text(file);
@@ -72,7 +73,7 @@ fn is_before_use(after: &str) -> bool {
     after.trim_start().starts_with("use ")
 }
 
-/// The page's content.
+/// Returns the main content of the page.
 pub(crate) fn content(shown: &Shown<'_>, name: &str) -> String {
     let seen = shown.seen;
     let word = crate::declaration::mode_word(seen.mode());
@@ -127,7 +128,7 @@ fn overview(seen: &Inspected, title: &str, found: &[(DefId, &Item)]) -> String {
     out
 }
 
-/// What the module's tests show.
+/// Returns the list of the tests of the module.
 fn tests(shown: &Shown<'_>) -> String {
     let tests = shown.seen.own_items().filter_map(|item| match &item.kind {
         ItemKind::Test(test) => Some(&test.title),
@@ -152,7 +153,7 @@ fn tests(shown: &Shown<'_>) -> String {
     }
 }
 
-/// The contents of a page, at its side.
+/// Returns the side bar of the page.
 pub(crate) fn side(seen: &Inspected) -> String {
     let mut out = String::new();
     for (title, found) in sections(seen) {

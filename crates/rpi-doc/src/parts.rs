@@ -1,4 +1,4 @@
-//! What a declaration is made of, in a table: parameters, ports, fields, values, results, each with its doc comment.
+//! Tables of the members of a declaration: parameters, ports, fields, values and results, each with its doc comment.
 
 use rpi_diag::{SourceMap, Span};
 use rpi_driver::Inspected;
@@ -10,11 +10,11 @@ use crate::html::escaped;
 use crate::markdown::{Link, markdown};
 use crate::places::anchor;
 
-/// A group of parts: what it is called, and which definitions are in it.
+/// Kind of members with a common table.
 struct Group {
     title: &'static str,
     kind: DefKind,
-    /// Whether the table tells more than the signature above it, even without doc comments.
+    /// Whether the table is shown even without doc comments, because it contains more than the signature.
     always: bool,
 }
 
@@ -38,7 +38,7 @@ const GROUPS: &[Group] = &[
     group("Results", DefKind::Result, true),
 ];
 
-/// The tables of a declaration.
+/// Returns the tables of a declaration.
 pub(crate) fn tables(seen: &Inspected, id: DefId, link: Link<'_>) -> String {
     let parts = parts(seen, id);
     let mut out = String::new();
@@ -55,7 +55,7 @@ pub(crate) fn tables(seen: &Inspected, id: DefId, link: Link<'_>) -> String {
     out
 }
 
-/// What stands in a declaration and is part of how it is used.
+/// Returns the members of a declaration in source order.
 fn parts(seen: &Inspected, id: DefId) -> Vec<(DefId, &Def)> {
     let index = seen.index();
     let whole = index.def(id);
@@ -69,7 +69,7 @@ fn parts(seen: &Inspected, id: DefId) -> Vec<(DefId, &Def)> {
     parts
 }
 
-/// A place to which links lead where there is no table.
+/// Returns an anchor for links to a member that has no table.
 fn target(seen: &Inspected, id: DefId) -> String {
     let anchor = anchor(seen, id).unwrap_or_default();
     format!("<span id=\"{}\"></span>\n", escaped(&anchor))
@@ -96,7 +96,7 @@ fn table(seen: &Inspected, group: &Group, rows: &[&(DefId, &Def)], link: Link<'_
     out
 }
 
-/// Type and default, or the condition of a result.
+/// Returns the type and default of a member, or the condition of a result.
 fn what(seen: &Inspected, def: &Def, link: Link<'_>) -> String {
     let text = match def.kind {
         DefKind::Result => seen
@@ -116,7 +116,7 @@ fn what(seen: &Inspected, def: &Def, link: Link<'_>) -> String {
     )
 }
 
-/// `T = default`
+/// Returns the type and default: `T = default`.
 pub(crate) fn type_text(seen: &Inspected, def: &Def) -> String {
     match def.ty {
         Some(ty) => {
@@ -131,7 +131,7 @@ pub(crate) fn type_text(seen: &Inspected, def: &Def) -> String {
     }
 }
 
-/// What stands behind a type in its declaration: a clock, a default.
+/// Returns the text after a type in its declaration: a clock or a default.
 fn rest_of(sources: &SourceMap, whole: Span, ty: Span) -> String {
     let rest = Span::new(whole.file, ty.end, whole.end.max(ty.end));
     let rest = sources.slice(rest).trim().trim_end_matches(';');
@@ -142,7 +142,7 @@ fn rest_of(sources: &SourceMap, whole: Span, ty: Span) -> String {
     }
 }
 
-/// Words on presence where a type says that a value may be missing.
+/// Returns a remark about presence for an optional type.
 fn presence(seen: &Inspected, def: &Def) -> &'static str {
     let optional = def
         .ty
@@ -154,7 +154,7 @@ fn presence(seen: &Inspected, def: &Def) -> &'static str {
     }
 }
 
-/// A text with its line ends and indentation taken out.
+/// Replaces line breaks and indentation by single spaces.
 pub(crate) fn one_line(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }

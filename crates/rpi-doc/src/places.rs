@@ -1,28 +1,28 @@
-//! On which page a declaration stands, and where on it.
+//! Links to declarations: the page of a declaration, and its anchor there.
 
 use std::collections::BTreeMap;
 
 use rpi_driver::Inspected;
 use rpi_sema::query::{Def, DefId, DefKind};
 
-/// The pages by the source files that they show.
+/// Pages by the source files that they show.
 #[derive(Default)]
 pub(crate) struct Places {
     pages: BTreeMap<String, String>,
 }
 
 impl Places {
-    /// Notes that a source file is shown on a page.
+    /// Records that a source file is shown on a page.
     pub(crate) fn add(&mut self, source: &str, page: &str) {
         self.pages.insert(source.to_owned(), page.to_owned());
     }
 
-    /// The page of a source file, without ending.
+    /// Returns the page of a source file, without extension.
     pub(crate) fn page(&self, source: &str) -> Option<&str> {
         self.pages.get(source).map(String::as_str)
     }
 
-    /// Where a definition is shown: a link for a page in the folder of the pages.
+    /// Returns a link to a definition, for a page in the root folder of the site.
     pub(crate) fn href(&self, seen: &Inspected, id: DefId) -> Option<String> {
         let def = seen.index().def(id);
         let page = self.page(seen.sources.name(def.span.file))?;
@@ -32,7 +32,7 @@ impl Places {
         }
     }
 
-    /// Where a declaration of its own is shown; none for what stands inside of one.
+    /// Returns a link to a top-level declaration; `None` for other definitions.
     pub(crate) fn href_of_top(&self, seen: &Inspected, id: DefId) -> Option<String> {
         is_top(seen, seen.index().def(id))
             .then(|| self.href(seen, id))
@@ -40,13 +40,13 @@ impl Places {
     }
 }
 
-/// Whether a definition stands in a module, not inside another one.
+/// Returns whether a definition is top-level in a module.
 pub(crate) fn is_top(seen: &Inspected, def: &Def) -> bool {
     let parent = def.parent.map(|id| seen.index().def(id).kind);
     def.kind != DefKind::Test && matches!(parent, None | Some(DefKind::Module))
 }
 
-/// The id of a definition on its page: `Line`, `Line.pose`. None for what pages do not show by itself.
+/// Returns the HTML id of a definition: `Line`, `Line.pose`. A definition that is not shown gets the id of its parent.
 pub(crate) fn anchor(seen: &Inspected, id: DefId) -> Option<String> {
     let index = seen.index();
     let def = index.def(id);
@@ -60,7 +60,7 @@ pub(crate) fn anchor(seen: &Inspected, id: DefId) -> Option<String> {
     }
 }
 
-/// Whether pages show such a definition within the declaration in which it stands.
+/// Returns whether definitions of this kind are shown within their declaration.
 pub(crate) fn is_part(kind: DefKind) -> bool {
     use DefKind::{Field, Given, Input, Output, Param, Port, Result, Static};
     matches!(

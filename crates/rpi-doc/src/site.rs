@@ -1,4 +1,4 @@
-//! The files of a reference: pages of modules, source texts, the index, what makes them look and search.
+//! Files of the site: pages of modules, source texts, index, style sheet and search script.
 
 use std::collections::BTreeSet;
 
@@ -14,26 +14,26 @@ use crate::places::{Places, is_top};
 const STYLE: &str = include_str!("../assets/style.css");
 const SEARCH: &str = include_str!("../assets/search.js");
 
-/// A module that a reference shows.
+/// Module to be documented.
 #[derive(Debug)]
 pub struct Module {
-    /// Its name, as `use` names it.
+    /// Name, as used by `use`.
     pub name: String,
-    /// Whether it comes with the language.
+    /// Whether it belongs to the standard library.
     pub is_library: bool,
-    /// What is known of it; its own text is the first.
+    /// Checked module; its own text is the first file.
     pub seen: Inspected,
 }
 
-/// The files of a reference.
+/// Files of a reference.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Site {
-    /// Each with its name, `/` between folders, in the order of their names.
+    /// Name and content of each file, sorted by name. Folders are separated by `/`.
     pub files: Vec<(String, String)>,
 }
 
 impl Site {
-    /// The reference of some modules under one title; `about` is Markdown.
+    /// Generates the reference of modules under one title; `about` is Markdown.
     #[must_use]
     pub fn of(title: &str, about: &str, modules: &[Module]) -> Site {
         let shelf = Shelf::new(title, modules);
@@ -52,11 +52,11 @@ impl Site {
     }
 }
 
-/// The modules with their pages.
+/// Modules with their pages.
 struct Shelf<'m> {
     title: &'m str,
     modules: &'m [Module],
-    /// The name of each module's page.
+    /// Page name of each module.
     pages: Vec<String>,
     places: Places,
 }
@@ -96,7 +96,7 @@ impl<'m> Shelf<'m> {
         .html()
     }
 
-    /// The modules, as every page shows them at its side.
+    /// Returns the list of modules for the side bar of every page.
     fn contents(&self, up: &str) -> String {
         let line = |(module, page): (&Module, &String)| {
             let name = escaped(&module.name);
@@ -119,7 +119,7 @@ impl<'m> Shelf<'m> {
         self.page(&module.name, "", &module::side(&module.seen), &main)
     }
 
-    /// The text of a module's first file, and of those that it includes.
+    /// Returns the page with the source text of the main file of a module.
     fn source(&self, module: &Module, page: &str) -> String {
         let name = escaped(&module.name);
         let mut main = format!(
@@ -146,7 +146,7 @@ impl<'m> Shelf<'m> {
         let used = if own.is_empty() {
             "Modules"
         } else {
-            "Of the standard library"
+            "Standard library modules"
         };
         main.push_str(&own);
         main.push_str(&self.listed(used, true));
@@ -173,7 +173,7 @@ impl<'m> Shelf<'m> {
         }
     }
 
-    /// Every declaration, by its first letter's order.
+    /// Returns the list of every declaration, sorted by name ignoring case.
     fn all_names(&self) -> String {
         let mut names = self.declarations();
         names.sort_by_key(|name| (name.name.to_lowercase(), name.href.clone()));
@@ -190,7 +190,7 @@ impl<'m> Shelf<'m> {
         )
     }
 
-    /// What is searched: `[name, kind, module, page and place, summary]` for each declaration.
+    /// Returns the search index as JavaScript: `[name, kind, module, link, summary]` for each declaration.
     fn names(&self) -> String {
         let rows = self.declarations().into_iter().map(|name| {
             let cells = [
@@ -235,7 +235,7 @@ impl<'m> Shelf<'m> {
     }
 }
 
-/// A declaration in the index.
+/// Declaration in the index.
 struct Named {
     name: String,
     kind: &'static str,
@@ -244,7 +244,7 @@ struct Named {
     about: String,
 }
 
-/// The name of a module's page: what can stand in the name of a file anywhere.
+/// Returns the page name of a module, limited to characters that are valid in file names on all systems.
 fn page_name(module: &str) -> String {
     let kept = |c: char| {
         if c.is_alphanumeric() || "-_.".contains(c) {
@@ -257,7 +257,7 @@ fn page_name(module: &str) -> String {
 }
 
 fn unique(name: &str, taken: &mut BTreeSet<String>) -> String {
-    // Where letters of both sizes are one, two pages must not be one file.
+    // On case-insensitive file systems, two page names must not differ in case only.
     let mut candidates = (1..).map(|n| match n {
         1 => name.to_owned(),
         n => format!("{name}-{n}"),
@@ -266,12 +266,13 @@ fn unique(name: &str, taken: &mut BTreeSet<String>) -> String {
     free.unwrap_or_default()
 }
 
-/// A text as JavaScript writes it.
+/// Returns a text as a JavaScript string literal.
 fn text_in_script(text: &str) -> String {
     let mut out = String::from("\"");
     for c in text.chars() {
         match c {
             '"' | '\\' => out.extend(['\\', c]),
+            // `</script>` must not occur in a script, and U+2028 and U+2029 end a line in JavaScript before ES2019.
             '<' | '\u{2028}' | '\u{2029}' => out.push_str(&format!("\\u{:04x}", u32::from(c))),
             c if c.is_control() => out.push(' '),
             c => out.push(c),

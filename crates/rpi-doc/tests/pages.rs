@@ -1,4 +1,4 @@
-//! The pages: a small project to the letter, every page of the standard library, and what must hold on all of them.
+//! Generated pages: a small project compared exactly, every page of the standard library, and properties of all pages.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -31,7 +31,7 @@ fn library() -> Vec<Module> {
     library_modules().map(module).collect()
 }
 
-/// The program beside this test, and the library.
+/// Returns the site of the program beside this test and the library.
 fn belt() -> Site {
     let text = include_str!("data/belt.rpi");
     let mut modules = vec![Module {
@@ -49,7 +49,7 @@ fn page<'s>(site: &'s Site, name: &str) -> &'s str {
     &found.unwrap_or_else(|| panic!("no {name}")).1
 }
 
-/// M12.2.
+/// Rule M12.2.
 #[test]
 fn a_page_is_what_it_was() {
     let path = workspace_root().join("crates/rpi-doc/tests/data/belt.html");
@@ -65,7 +65,7 @@ fn a_page_is_what_it_was() {
         .find(|(is, should)| is != should);
     assert!(
         page == expected,
-        "RPI_BLESS=1 writes it anew; first difference: {first:#?}"
+        "RPI_BLESS=1 updates the file; first difference: {first:#?}"
     );
 }
 
@@ -92,7 +92,7 @@ fn every_module_of_the_library_has_a_page_with_all_its_names() {
     }
 }
 
-/// The names after the words that begin declarations.
+/// Returns the names that follow declaring keywords.
 fn declared(text: &str) -> Vec<String> {
     let words = [
         "node", "function", "fragment", "device", "command", "task", "const",
@@ -211,7 +211,7 @@ fn markup_in_doc_comments_is_text() {
     assert!(page(&site, "belt.html").contains("&lt;b&gt;everything&lt;/b&gt;"));
 }
 
-/// The file that a link on a page leads to.
+/// Returns the file to which a link on a page leads.
 fn resolved(page: &str, file: &str) -> String {
     let folder = page.rsplit_once('/').map_or("", |(folder, _)| folder);
     match (file, file.strip_prefix("../")) {
@@ -233,10 +233,10 @@ fn ids(text: &str) -> BTreeSet<String> {
         .collect()
 }
 
-/// Every attribute of a page.
+/// Returns every attribute of a page.
 fn attributes(text: &str) -> Vec<(String, String)> {
     let mut found = Vec::new();
-    // Nodes that are dropped take what is in them along: the tree is kept until the end.
+    // Dropping a node drops its children, so the tree must live until the end.
     let tree = parsed(text);
     let mut open: Vec<Handle> = vec![tree.document.clone()];
     while let Some(node) = open.pop() {

@@ -1,4 +1,4 @@
-//! What is found against each net of a unit, and what of it is true of the unit.
+//! Diagnostics of the instances of each unit, and their merging into diagnostics of the unit.
 
 use std::collections::BTreeMap;
 
@@ -6,26 +6,29 @@ use rpi_diag::{Code, Finding, Span};
 use rpi_net::passes::{is_endless, is_unreachable};
 use rpi_sema::typed::UnitId;
 
-/// A net of a command for the arguments of a task: its name, and where it is asked for.
+/// Instance of a command for the arguments of a task: its name, and the location of the call. `None` for the unit with
+/// its default arguments.
 type Run = Option<(String, Span)>;
 
-/// What was found against nets: a unit has one by itself, and one for each list of arguments that tasks give it.
+/// Diagnostics by instance. A unit has one instance with its default arguments, and one for each argument list of the
+/// tasks.
 #[derive(Default)]
 pub(crate) struct Found(Vec<(UnitId, Run, Vec<Finding>)>);
 
-/// What is found against several nets of a unit is told once.
+/// Key by which equal diagnostics of several instances are merged.
 type Key = (UnitId, Code, Span);
 
 impl Found {
-    /// Where findings against one more net of a unit belong.
+    /// Adds an instance of a unit and returns the list for its diagnostics.
     pub(crate) fn net_of(&mut self, unit: UnitId, run: Run) -> &mut Vec<Finding> {
         self.0.push((unit, run, Vec::new()));
         let at = self.0.len() - 1;
         &mut self.0[at].2
     }
 
-    /// All of it, but what denies the text any use only where all nets of the unit agree: what is needless for some
-    /// arguments is there for others. What is an error for some arguments only names where they are given.
+    /// Merges the diagnostics of all instances. A diagnostic about unused or unreachable text is kept only if all
+    /// instances of the unit report it, because the text may be used for other arguments. An error of some instances
+    /// only is kept, with labels at the calls of these instances.
     pub(crate) fn agreed(self) -> Vec<Finding> {
         let mut nets: BTreeMap<UnitId, usize> = BTreeMap::new();
         let mut runs: BTreeMap<Key, Vec<Run>> = BTreeMap::new();
@@ -56,10 +59,10 @@ impl Found {
     }
 }
 
-/// So many runs are shown.
+/// Largest number of instances shown in one diagnostic.
 const SHOWN: usize = 3;
 
-/// A finding with the runs that it is about; [`None`] if it has been told.
+/// Adds labels for the instances to a diagnostic; returns `None` if the diagnostic was already reported.
 fn of_runs(finding: Finding, runs: Vec<Run>) -> Option<Finding> {
     if runs.is_empty() {
         return None;
@@ -70,7 +73,7 @@ fn of_runs(finding: Finding, runs: Vec<Run>) -> Option<Finding> {
     }))
 }
 
-/// Whether it says that text is good for nothing.
+/// Returns whether a diagnostic is about unused or unreachable text.
 fn denies(finding: &Finding) -> bool {
     is_unreachable(finding) || finding.code.is_about_needless_text()
 }

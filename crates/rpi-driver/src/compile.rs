@@ -1,4 +1,4 @@
-//! The order of the stages: from a file to checked nets, from a net to an image.
+//! Order of the compiler stages: from a file to checked nets, and from a net to an image.
 
 use std::ops::Range;
 use std::path::Path;
@@ -21,50 +21,52 @@ use crate::task::Task;
 use crate::tests::Test;
 use crate::violation;
 
-/// What became of a file.
+/// Result of compiling a file.
 #[derive(Debug)]
 pub struct Compiled {
-    /// The texts that findings point into.
+    /// Source texts that the diagnostics refer to.
     pub sources: SourceMap,
-    /// What was found, in the order of the stages.
+    /// Diagnostics, in the order of the stages.
     pub findings: Vec<Finding>,
-    /// What there is to run.
+    /// Commands that can be run.
     pub program: Program,
-    /// Which command follows which, as the program's tasks say.
+    /// Tasks of the program: which command follows which.
     pub tasks: Vec<Task>,
-    /// The commands that only run where a task gives them their arguments.
+    /// Commands that can only run with the arguments given by a task.
     pub unset: Vec<Unset>,
-    /// What the program claims of itself.
+    /// Tests of the program.
     pub tests: Vec<Test>,
-    /// What the analyses established about each thing that can be run, if that was asked for.
+    /// Summary of the analyses of each command and node, if requested.
     pub told: Vec<Told>,
-    /// What tests can reach, if that was asked for.
+    /// Coverage points, if requested.
     pub marks: Vec<Marks>,
 }
 
-/// A command with a parameter for which nothing is there: neither a constant of its name nor a value in its declaration.
+/// Command with a parameter that has no value: there is neither a constant of its name nor a default in its
+/// declaration.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Unset {
     /// Name of the command.
     pub command: String,
-    /// Its parameters without a value, as they are declared: `to: Pose`.
+    /// Parameters without a value, as declared: `to: Pose`.
     pub params: Vec<String>,
 }
 
-/// What is asked for besides the findings.
+/// Options of the compiler.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct Asked {
-    /// What becomes of the program's claims in what can be run.
+    /// Treatment of assertions and contracts in the compiled nets.
     pub claims: Claims,
-    /// Whether the analyses tell what they established.
+    /// Whether to summarise the results of the analyses.
     pub told: bool,
-    /// Whether it is told what can fault while the program runs.
+    /// Whether to report operations that can fault at run time.
     pub faults: bool,
-    /// Whether it is told what tests can reach.
+    /// Whether to return the coverage points.
     pub marks: bool,
-    /// Whether the text comes from somebody who may not read files of this machine: none but itself is looked for.
+    /// Whether the text comes from a client that may not read files of this machine. Other files are not searched for
+    /// then.
     pub alone: bool,
-    /// The period of a cycle, nanoseconds, where it is not the one of the machine.
+    /// Period of a cycle in ns; default: that of the machine.
     pub period_ns: Option<u64>,
 }
 
@@ -81,27 +83,27 @@ impl From<Claims> for Asked {
     }
 }
 
-/// What there is to run.
+/// Commands that can be run.
 #[derive(Debug)]
 pub enum Program {
-    /// Commands, each a net; only those without errors.
+    /// Commands as nets; only those without errors.
     Nets(Vec<Net>),
-    /// A command that was compiled before.
+    /// Command compiled earlier.
     Image(Box<Image>),
 }
 
-/// Takes a file through all stages up to checked nets, without the claims of the program.
+/// Compiles a file up to checked nets, without assertions and contracts.
 ///
 /// # Errors
-/// If the content is not of its kind at all; faults of a program are findings, not errors.
+/// If the content does not match the kind of the file. Errors in a program are diagnostics instead.
 pub fn compile(input: &Input) -> Result<Compiled, InputError> {
     compile_with(input, Claims::Off)
 }
 
-/// Takes a file through all stages up to checked nets; gives what is asked for.
+/// Compiles a file up to checked nets, with options.
 ///
 /// # Errors
-/// If the content is not of its kind at all; faults of a program are findings, not errors.
+/// If the content does not match the kind of the file. Errors in a program are diagnostics instead.
 pub fn compile_with(input: &Input, asked: impl Into<Asked>) -> Result<Compiled, InputError> {
     match input.kind {
         Kind::Rpib => image(input),
@@ -116,6 +118,7 @@ fn program(input: &Input, text: &str, asked: Asked) -> Result<Compiled, InputErr
     let mut text = program_text(input, &name, &path, text);
     text.folder = text.folder.filter(|_| !asked.alone);
     let mut modules = text.modules(&mut sources);
+    // Falling back to the default machine would check budgets against the wrong speed.
     if let Some(why) = modules.no_machine.take() {
         return Err(why);
     }
@@ -142,11 +145,11 @@ fn program(input: &Input, text: &str, asked: Asked) -> Result<Compiled, InputErr
     })
 }
 
-/// Compiles an example from a program's documentation ([`examples`](crate::examples)): a program of its own that has the
-/// program around it without `use`. Findings stand where the example stands.
+/// Compiles an example in the doc comments of a program ([`examples`](crate::examples)). The example is a separate
+/// program that imports the surrounding program implicitly. Diagnostics refer to the location of the example.
 ///
 /// # Errors
-/// If the program is no text.
+/// If the program is not text.
 pub fn compile_example(input: &Input, lines: &[Range<usize>]) -> Result<Compiled, InputError> {
     let text = input.text()?;
     let (name, path) = (input.stem(), display(&input.path));
@@ -183,7 +186,7 @@ pub(crate) fn program_text<'t>(
 
 fn image(input: &Input) -> Result<Compiled, InputError> {
     let image = Image::from_bytes(&input.bytes)
-        .map_err(|e| InputError::new(&input.path, format!("this is no image: {e}")))?;
+        .map_err(|e| InputError::new(&input.path, format!("not a valid image: {e}")))?;
     Ok(Compiled {
         sources: SourceMap::new(),
         findings: Vec::new(),
@@ -214,7 +217,7 @@ fn net(input: &Input, text: &str) -> Compiled {
     }
 }
 
-/// The net as the passes left it, if they found nothing against it.
+/// Returns the net after the passes, or `None` if they reported errors.
 fn checked(net: Net, findings: &mut Vec<Finding>, told: &mut Vec<Told>) -> Option<Net> {
     match rpi_net::passes::analyse(net, |_| false) {
         Ok(analysis) => {
@@ -237,7 +240,7 @@ pub(crate) fn display(path: &Path) -> String {
 }
 
 impl Compiled {
-    /// Whether something was found that keeps the program from running.
+    /// Returns whether there is an error, which prevents the program from running.
     #[must_use]
     pub fn has_errors(&self) -> bool {
         self.findings
@@ -245,7 +248,7 @@ impl Compiled {
             .any(|f| f.severity() == Severity::Error)
     }
 
-    /// The commands that can be run.
+    /// Returns the commands that can be run.
     #[must_use]
     pub fn nets(&self) -> &[Net] {
         match &self.program {
@@ -255,35 +258,35 @@ impl Compiled {
     }
 }
 
-/// Lowers a checked net to run: only what leaves the command can be seen.
+/// Lowers a checked net for execution: only the outputs of the command can be observed.
 ///
 /// # Errors
-/// If something in it depends on itself, or it is too large to run.
+/// If the net has a dependency cycle or is too large.
 pub fn lower_to_run(net: &Net, period_ns: u64) -> Result<Image, String> {
     lower(net, &LowerOptions::running(period_ns))
 }
 
-/// As [`lower_to_run`], with a bound on what its primitives do in a cycle, in elementary operations: of fragments that exclude one
-/// another only the most expensive counts.
+/// Like [`lower_to_run`], and also returns the work bound of a cycle in elementary operations. Of mutually exclusive
+/// fragments only the most expensive counts.
 ///
 /// # Errors
-/// As there.
+/// As [`lower_to_run`].
 pub fn lower_with_work(net: &Net, period_ns: u64) -> Result<(Image, u64), String> {
     lower_for_tick(net, period_ns, period_ns)
 }
 
-/// As [`lower_with_work`] for a core whose tick, in nanoseconds, is shorter than the period.
+/// Like [`lower_with_work`] for a core whose tick, in ns, is shorter than the period.
 ///
 /// # Errors
-/// As there.
+/// As [`lower_to_run`].
 pub fn lower_for_tick(net: &Net, period_ns: u64, tick_ns: u64) -> Result<(Image, u64), String> {
     lowered(net, &LowerOptions::running(period_ns).with_tick(tick_ns))
 }
 
-/// Lowers a checked net to be looked at: every port can be seen.
+/// Lowers a checked net for observation: every port can be observed.
 ///
 /// # Errors
-/// If something in it depends on itself, or it is too large to run.
+/// If the net has a dependency cycle or is too large.
 pub fn lower_to_look(net: &Net, period_ns: u64) -> Result<Image, String> {
     lower(net, &LowerOptions::observed(period_ns))
 }
@@ -294,7 +297,7 @@ pub(crate) fn lower(net: &Net, options: &LowerOptions<'_>) -> Result<Image, Stri
 
 fn lowered(net: &Net, options: &LowerOptions<'_>) -> Result<(Image, u64), String> {
     let analysis = analyse(net.clone(), options.may_be_absent).map_err(|v| v.to_string())?;
-    let plan = Plan::of(&analysis).ok_or("something in the net depends on itself")?;
+    let plan = Plan::of(&analysis).ok_or("the net has a dependency cycle")?;
     let image = rpi_lower::lower(&analysis.net, &plan, options)?;
     Ok((image, analysis.work.of(FragmentId::ROOT)))
 }

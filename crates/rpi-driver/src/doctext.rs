@@ -1,7 +1,7 @@
-//! What doc comments say beyond words: examples, which are programs, and links, which name declarations.
+//! Examples and links in doc comments.
 //!
-//! An example is a block fenced by ```` ```rpi ````. It is a program of its own that has the module around it without `use`.
-//! A link is a name in brackets and quotes, ``[`lowpass`]``.
+//! An example is a block fenced by ```` ```rpi ````. It is a separate program that imports the surrounding module
+//! implicitly. A link is a name in brackets and backquotes, ``[`lowpass`]``.
 
 use std::ops::Range;
 
@@ -9,10 +9,10 @@ use rpi_diag::{Code, Finding, SourceMap, Span};
 use rpi_sema::query::Index;
 use rpi_syntax::{CommentKind, Mode, PieceKind, pieces};
 
-/// A line of a doc comment: the bytes of its text, after `--|` and one space.
+/// Line of a doc comment: the byte range of its text, after `--|` and one space.
 type Line = Range<usize>;
 
-/// The doc comments of a text: each the lines that stand below one another.
+/// Returns the doc comments of a text, each as the ranges of its consecutive lines.
 #[must_use]
 pub fn doc_blocks(text: &str, mode: Mode) -> Vec<Vec<Range<usize>>> {
     let mut blocks: Vec<Vec<Line>> = Vec::new();
@@ -37,7 +37,7 @@ pub fn doc_blocks(text: &str, mode: Mode) -> Vec<Vec<Range<usize>>> {
     blocks
 }
 
-/// The examples of a text: for each the bytes of its lines.
+/// Returns the examples of a text, each as the byte ranges of its lines.
 #[must_use]
 pub fn examples(text: &str, mode: Mode) -> Vec<Vec<Range<usize>>> {
     let mut found = Vec::new();
@@ -60,7 +60,8 @@ pub fn examples(text: &str, mode: Mode) -> Vec<Vec<Range<usize>>> {
     found
 }
 
-/// An example as a text of its own in which everything stands where it stands in the text around it.
+/// Returns a text of the same length in which everything but the example is blank, so that locations in the example are
+/// locations in the original text.
 #[must_use]
 pub(crate) fn example_text(text: &str, lines: &[Range<usize>]) -> String {
     let mut out = String::with_capacity(text.len());
@@ -78,7 +79,7 @@ fn blank(byte: u8) -> char {
     if byte == b'\n' { '\n' } else { ' ' }
 }
 
-/// The names that a doc comment links to, with their bytes in it; what stands in fences is no link.
+/// Returns the names that a doc comment links to, with their byte ranges. Links in fenced blocks are ignored.
 pub fn doc_links(doc: &str) -> impl Iterator<Item = (Range<usize>, &str)> {
     let mut start = 0;
     let mut fenced = false;
@@ -99,7 +100,7 @@ pub fn doc_links(doc: &str) -> impl Iterator<Item = (Range<usize>, &str)> {
     })
 }
 
-/// What is said about links of the first text that lead nowhere.
+/// Returns the diagnostics of links in the first text that have no target.
 pub(crate) fn broken_links(
     sources: &SourceMap,
     mode: Mode,
@@ -126,12 +127,13 @@ pub(crate) fn broken_links(
     findings
 }
 
-/// Names that are looked at for "did you mean", all links together.
+/// Largest number of names compared for "did you mean" suggestions, summed over all links. It bounds the time for a
+/// text with many broken links.
 const PATIENCE: usize = 200_000;
 
 fn leads_nowhere(index: &Index, span: Span, name: &str, patience: &mut usize) -> Finding {
-    let finding = Finding::new(Code::RPI1201, format!("no declaration `{name}` to link to"))
-        .at(span, "nothing of this name can be seen here");
+    let finding = Finding::new(Code::RPI1201, format!("undefined name `{name}` in a link"))
+        .at(span, "not in scope here");
     let visible = match *patience {
         0 => Vec::new(),
         _ => index.visible(span.file, span.start),
@@ -142,7 +144,7 @@ fn leads_nowhere(index: &Index, span: Span, name: &str, patience: &mut usize) ->
         Some(near) => {
             finding.fix(rpi_diag::Fix::maybe(format!("did you mean `{near}`?")).replace(span, near))
         }
-        None => finding.help("a name without a declaration is written without brackets, `name`"),
+        None => finding.help("for a name without a declaration, omit the brackets: `name`"),
     }
 }
 

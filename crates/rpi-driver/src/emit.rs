@@ -1,4 +1,4 @@
-//! The forms that the stages can show (`rpic compile --emit`).
+//! Intermediate and output forms of a program (`rpic compile --emit`).
 
 use rpi_diag::{Finding, SourceMap};
 use rpi_lower::LowerOptions;
@@ -14,18 +14,18 @@ use crate::files::Disk;
 use crate::input::{Input, InputError};
 use crate::modules::Modules;
 
-/// The tokens of a program's text, a line each.
+/// Returns the tokens of a program, one per line.
 ///
 /// # Errors
-/// If the file is no text.
+/// If the file is not text.
 pub fn tokens(input: &Input) -> Result<String, InputError> {
     Ok(rpi_syntax::dump_tokens(input.text()?, mode(input)))
 }
 
-/// The syntax tree of a program's text.
+/// Returns the syntax tree of a program.
 ///
 /// # Errors
-/// If the file is no text.
+/// If the file is not text.
 pub fn ast(input: &Input) -> Result<String, InputError> {
     let mut sources = SourceMap::new();
     let text = input.text()?;
@@ -34,10 +34,10 @@ pub fn ast(input: &Input) -> Result<String, InputError> {
     Ok(rpi_syntax::dump_ast(&parse.file, Parens::Keep))
 }
 
-/// The typed units of a program, those of the modules that it uses included.
+/// Returns the typed units of a program, including those of the imported modules.
 ///
 /// # Errors
-/// If the file is no text.
+/// If the file is not text.
 pub fn typed(input: &Input) -> Result<String, InputError> {
     let mut sources = SourceMap::new();
     let path = input.path.display().to_string();
@@ -56,7 +56,8 @@ fn mode(input: &Input) -> Mode {
     Mode::of_path(&input.path.display().to_string())
 }
 
-/// The order of evaluation of a net: a line per primitive, indented by fragment. None if something depends on itself.
+/// Returns the order of evaluation of a net: one line per primitive, indented by fragment. Returns `None` if there is a
+/// dependency cycle.
 #[must_use]
 pub fn schedule(net: &Net) -> Option<String> {
     let analysis = analyse(net.clone(), |_| false).ok()?;
@@ -81,30 +82,31 @@ pub fn schedule(net: &Net) -> Option<String> {
     Some(out)
 }
 
-/// The net in the reference system's text form, and what of the program that cannot hold.
+/// Returns the net in the text format of the reference system, and diagnostics for the parts that this format cannot
+/// represent.
 #[must_use]
 pub fn rpinet(net: &Net) -> (String, Vec<Finding>) {
     let (net, findings) = rpi_net::rpinet::with_ports(net);
     (rpi_net::rpinet::write(&net), findings)
 }
 
-/// The image of a net, one line per step.
+/// Returns the image of a net as text, one line per step.
 ///
 /// # Errors
-/// Why the net cannot be lowered.
+/// If the net cannot be lowered.
 pub fn image(net: &Net, period_ns: u64) -> Result<String, String> {
     let image = lower(net, &LowerOptions::running(period_ns))?;
     let catalogue = |name: &str| rpi_prims::PrimId::of(name).map(rpi_prims::PrimId::desc);
     Ok(rpi_image::print::print(&image, &catalogue))
 }
 
-/// The net as C99.
+/// Returns the net as C99 source.
 ///
 /// # Errors
-/// One finding per kind of primitive that has no form in C.
+/// One diagnostic per type of primitive that is not supported in C.
 pub fn c(net: &Net, period_ns: u64) -> Result<String, Vec<Finding>> {
     let options = LowerOptions::running(period_ns);
-    // What is not in order or depends on itself has been found before.
+    // Invalid nets and dependency cycles have been reported by earlier stages.
     let Ok(analysis) = analyse(net.clone(), options.may_be_absent) else {
         return Err(Vec::new());
     };
@@ -114,10 +116,10 @@ pub fn c(net: &Net, period_ns: u64) -> Result<String, Vec<Finding>> {
     }
 }
 
-/// A net as a Lustre node, and what of it became an input there.
+/// Returns a net as a Lustre node, and diagnostics for the primitives that became inputs.
 ///
 /// # Errors
-/// Why there is no order in the net.
+/// If the net is invalid.
 pub fn lustre(
     net: &Net,
     boundary: &Boundary<'_>,

@@ -1,5 +1,5 @@
-//! What can still fault in a running command: for the analyses in words, for an editor, and as a warning where the operand of
-//! a choice has state.
+//! Operations that can fault at run time: for the summary of the analyses, for editors, and as a warning about operands
+//! with state.
 
 use std::collections::BTreeSet;
 
@@ -7,19 +7,19 @@ use rpi_diag::{Code, Finding, SourceMap, Span};
 use rpi_net::passes::{Analysis, CanFault, FaultKind, can_fault};
 use rpi_sema::elab::Operand;
 
-/// An operation that nothing proves never to fault.
+/// Operation that was not proved free of faults.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub struct FaultPlace {
-    /// Its place.
+    /// Location of the operation.
     pub span: Span,
-    /// How it can fault.
+    /// Kind of the fault.
     pub kind: FaultKind,
-    /// Whether it is computed only in the cycles in which its result is needed.
+    /// Whether the operation is evaluated only in the cycles in which its result is needed.
     pub guarded: bool,
 }
 
 impl FaultPlace {
-    /// How it can fault, in words.
+    /// Returns a description of the fault.
     #[must_use]
     pub fn text(&self) -> String {
         match self.guarded {
@@ -29,13 +29,13 @@ impl FaultPlace {
     }
 }
 
-/// What can fault in a net.
+/// Returns the operations of a net that can fault.
 pub(crate) fn of(analysis: &Analysis) -> Vec<CanFault> {
     let schedule = analysis.schedule.as_ref();
     schedule.map_or_else(Vec::new, |schedule| can_fault(&analysis.net, schedule))
 }
 
-/// The places of what can fault, each once, in the order of the text.
+/// Returns the locations of the operations, without duplicates, in source order.
 pub(crate) fn places(found: &[CanFault]) -> BTreeSet<FaultPlace> {
     let place = |one: &CanFault| FaultPlace {
         span: one.span,
@@ -45,7 +45,7 @@ pub(crate) fn places(found: &[CanFault]) -> BTreeSet<FaultPlace> {
     found.iter().map(place).collect()
 }
 
-/// What can fault, in words: a line for each place.
+/// Returns the summary: a count and one line per location.
 pub(crate) fn lines(found: &[CanFault], sources: &SourceMap) -> Vec<(&'static str, String)> {
     let places = places(found);
     let count = match places.len() {
@@ -62,7 +62,7 @@ pub(crate) fn lines(found: &[CanFault], sources: &SourceMap) -> Vec<(&'static st
     std::iter::once(("faults", count)).chain(all).collect()
 }
 
-/// Operands that are not always needed, have state and can fault: one warning for each place that can.
+/// Returns warnings about operands that are not always needed, have state and can fault: one per faulting operation.
 pub(crate) fn of_operands(operands: &[Operand], found: &[CanFault]) -> Vec<Finding> {
     let mut warned = BTreeSet::new();
     let mut findings = Vec::new();
@@ -70,7 +70,7 @@ pub(crate) fn of_operands(operands: &[Operand], found: &[CanFault]) -> Vec<Findi
         let first = found.partition_point(|one| one.node.0 < operand.nodes.start);
         let inside = found[first..].iter();
         let inside = inside.take_while(|one| one.node.0 < operand.nodes.end);
-        // One that is told of an inner operand is not told of the outer one again.
+        // An operation in nested operands is reported for the inner operand only.
         for one in inside.filter(|one| !one.guarded) {
             if warned.insert(one.node) {
                 findings.push(finding(operand, one));
@@ -81,9 +81,12 @@ pub(crate) fn of_operands(operands: &[Operand], found: &[CanFault]) -> Vec<Findi
 }
 
 fn finding(operand: &Operand, fault: &CanFault) -> Finding {
-    let message = "this operand has state, so it also runs and can fault where it is not needed";
+    let message =
+        "this operand has state, so it is evaluated and can fault even when it is not needed";
     Finding::new(Code::RPI3008, message)
-        .at(operand.span, "runs in every cycle")
+        .at(operand.span, "evaluated in every cycle")
         .also(fault.span, format!("can fault: {}", fault.kind))
-        .help("choose what it reads instead of what it gives; or run it by `activate ... every`")
+        .help(
+            "apply the condition to its inputs, or run it conditionally with `activate ... every`",
+        )
 }

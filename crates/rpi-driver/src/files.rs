@@ -1,20 +1,20 @@
-//! Where the texts of other files come from: the disk, or an editor that has changed them.
+//! Access to the texts of other files: on disk, or as changed in an editor.
 
 use std::path::Path;
 
-/// Gives the text of a file.
+/// Source of file texts.
 pub trait Files {
-    /// The text of a file; none if there is no such file, or no text in it.
+    /// Returns the text of a file; `None` if there is no such file or it is not text.
     fn text(&self, path: &Path) -> Option<String>;
 }
 
-/// The files on disk.
+/// File system.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Disk;
 
 impl Files for Disk {
     fn text(&self, path: &Path) -> Option<String> {
-        // A pipe or a device may never end, or never begin.
+        // Pipes and devices are rejected, because reading them may block for ever.
         let is_file = std::fs::metadata(path).is_ok_and(|meta| meta.is_file());
         is_file.then(|| std::fs::read_to_string(path).ok())?
     }

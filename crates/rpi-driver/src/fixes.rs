@@ -1,5 +1,5 @@
-//! Fixes as the program can take them: their first values with units and values of enums, of which passes over nets know
-//! nothing, and none for what is not the program's own.
+//! Adaptation of fixes to the program: initial values get units and enum values, which the passes over nets do not
+//! know, and fixes of the standard library are removed.
 
 use crate::modules::is_library_path;
 use rpi_diag::{Edit, Finding, Fix, SourceMap, Span};
@@ -8,11 +8,11 @@ use rpi_sema::ty::Ty;
 use rpi_sema::typed::{Expr, Kind};
 use std::cell::OnceCell;
 
-/// How passes begin the text of a first value, by machine type.
+/// Untyped initial values with which the fixes of the passes begin, by machine type.
 const PLAIN: &[&str] = &["0.0 -> ", "0 -> ", "false -> "];
 
-/// Gives the first values in the fixes of findings the type of what they stand before; a first value of a type without
-/// literals is left to the writer.
+/// Gives the initial values in fixes the type of the expression that they precede. Fixes for types without literals are
+/// removed.
 pub(crate) fn typed(findings: &mut [Finding], checked: &Checked) {
     let places = Places::of(checked);
     for finding in findings {
@@ -20,10 +20,10 @@ pub(crate) fn typed(findings: &mut [Finding], checked: &Checked) {
     }
 }
 
-/// The expressions of a program by their places, put in order when one is looked for.
+/// Expressions of a program by location. They are sorted on first use.
 struct Places<'c> {
     checked: &'c Checked,
-    /// With the places beside them: sorting looks at nothing else.
+    /// Sorted expressions, with copies of their locations so that sorting does not access the expressions.
     sorted: OnceCell<Vec<(Span, &'c Expr)>>,
 }
 
@@ -43,7 +43,7 @@ impl<'c> Places<'c> {
         })
     }
 
-    /// Those that begin at a place, the shortest first.
+    /// Returns the expressions that begin at a location, the shortest first.
     fn starting(&self, place: Span) -> impl Iterator<Item = &'c Expr> {
         let start = |span: Span| (span.file, span.start);
         let sorted = self.sorted();
@@ -54,7 +54,7 @@ impl<'c> Places<'c> {
     }
 }
 
-/// Takes out the fixes that would change the standard library, which is part of the compiler.
+/// Removes the fixes that would change the standard library, which is embedded in the compiler.
 pub(crate) fn of_the_program(findings: &mut [Finding], sources: &SourceMap) {
     let is_library = |span: Span| is_library_path(sources.name(span.file));
     for finding in findings {
@@ -64,7 +64,7 @@ pub(crate) fn of_the_program(findings: &mut [Finding], sources: &SourceMap) {
     }
 }
 
-/// Lets fixes that leave nothing of a line delete it.
+/// Extends deletions that would leave a blank line to the whole line.
 pub(crate) fn whole_lines(findings: &mut [Finding], sources: &SourceMap) {
     let fixes = findings.iter_mut().flat_map(|finding| &mut finding.fixes);
     for edit in fixes.flat_map(|fix| &mut fix.edits) {
@@ -72,7 +72,7 @@ pub(crate) fn whole_lines(findings: &mut [Finding], sources: &SourceMap) {
     }
 }
 
-/// False where a first value cannot be written.
+/// Returns false if the initial value cannot be written as a literal.
 fn type_fix(fix: &mut Fix, places: &Places<'_>) -> bool {
     for pair in fix.edits.chunks_mut(2) {
         if let [before, after] = pair {
@@ -83,13 +83,13 @@ fn type_fix(fix: &mut Fix, places: &Places<'_>) -> bool {
     insertions.all(|edit| type_edit(edit, places).is_some())
 }
 
-/// `pre x` for `pre (x)`, where what is delayed is nothing but a name.
+/// Writes `pre x` instead of `pre (x)` if the delayed expression is a single name.
 fn bare_name(before: &mut Edit, after: &mut Edit, places: &Places<'_>) {
     let (Some(head), Some(tail)) = (before.text.strip_suffix('('), after.text.strip_prefix(')'))
     else {
         return;
     };
-    // The brackets of a call stay, `time(x)`.
+    // The parentheses of a call must stay: `time(x)`.
     if head.ends_with(char::is_alphanumeric) {
         return;
     }
@@ -100,7 +100,7 @@ fn bare_name(before: &mut Edit, after: &mut Edit, places: &Places<'_>) {
     }
 }
 
-/// None where there is no way to write the first value that it begins with.
+/// Returns `None` if the initial value of the edit cannot be written as a literal.
 fn type_edit(edit: &mut Edit, places: &Places<'_>) -> Option<()> {
     let (open, rest) = match edit.text.strip_prefix('(') {
         Some(rest) => ("(", rest),
@@ -115,14 +115,14 @@ fn type_edit(edit: &mut Edit, places: &Places<'_>) -> Option<()> {
     Some(())
 }
 
-/// The type of the shortest expression that begins at a place, as far as its type is known.
+/// Returns the type of the shortest expression of known type that begins at a location.
 fn type_at<'c>(place: Span, places: &Places<'c>) -> Option<&'c Ty> {
     let mut here = places.starting(place);
     let known = here.find(|expr| !expr.ty.has_unknown());
     known.map(|expr| &expr.ty)
 }
 
-/// A value of a type as it is written, nothing in the sense of addition where there is one.
+/// Returns a literal of the type, the zero of addition where there is one.
 fn neutral(ty: &Ty) -> Option<String> {
     match ty {
         Ty::Bool => Some("false".to_owned()),
@@ -133,7 +133,7 @@ fn neutral(ty: &Ty) -> Option<String> {
         Ty::Duration => Some("0[s]".to_owned()),
         Ty::Enum(values) => values.values.first().map(ToString::to_string),
         Ty::Array(element, n) => Some(format!("{}^{n}", neutral(element)?)),
-        // What an instance was made for is not part of its name.
+        // The name of a generic instance contains its arguments and cannot be written in a program.
         Ty::Struct(of) if !of.name.contains('<') => {
             let fields = of.fields.iter();
             let fields = fields.map(|field| {

@@ -1,9 +1,9 @@
-//! Nets drawn: fragments as clusters, primitives as boxes, links as arrows.
+//! Drawings of nets: fragments as clusters, primitives as boxes, links as arrows.
 
 use rpi_net::{Activation, FragmentId, Input, Net, NodeId};
 use std::fmt::Write as _;
 
-/// A net in the language of Graphviz.
+/// Returns a net in the language of Graphviz.
 #[must_use]
 pub fn dot(net: &Net) -> String {
     let mut out = String::from(
@@ -30,6 +30,7 @@ pub fn dot(net: &Net) -> String {
             escaped(label)
         );
     }
+    // Graphviz has no edges to clusters: the edge leads to a node inside, and `lhead` clips it at the border.
     for (condition, fragment) in activations(net) {
         if let Some(first) = first_node(net, fragment) {
             let _ = writeln!(
@@ -43,7 +44,7 @@ pub fn dot(net: &Net) -> String {
     out
 }
 
-/// A net in the language of Mermaid.
+/// Returns a net in the language of Mermaid.
 #[must_use]
 pub fn mermaid(net: &Net) -> String {
     let mut out = String::from("flowchart LR\n");
@@ -62,7 +63,7 @@ pub fn mermaid(net: &Net) -> String {
     out
 }
 
-/// How a drawing language writes fragments and primitives.
+/// Syntax of fragments and primitives in a drawing language.
 struct Cluster {
     open: fn(FragmentId, &str) -> String,
     close: &'static str,

@@ -1,4 +1,4 @@
-//! Opening what a tool is given: which kind of file it is, unpacked if it is packed.
+//! Reading of input files: their kind, and decompression.
 
 use std::fmt;
 use std::io::{ErrorKind, Read};
@@ -6,16 +6,16 @@ use std::path::{Path, PathBuf};
 
 use flate2::read::MultiGzDecoder;
 
-/// What a file holds, told by its name.
+/// Kind of a file, decided by its extension.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Kind {
-    /// A program.
+    /// RPI program.
     Rpi,
-    /// Lustre.
+    /// Lustre program.
     Lustre,
-    /// A net in the reference system's text form.
+    /// Net in the text format of the reference system.
     Rpinet,
-    /// A compiled image.
+    /// Compiled image.
     Rpib,
 }
 
@@ -27,7 +27,7 @@ const KINDS: &[(&str, Kind)] = &[
 ];
 
 impl Kind {
-    /// The kind of a file by its name; `.gz` at the end does not count.
+    /// Returns the kind of a file by its extension; a final `.gz` is ignored.
     #[must_use]
     pub fn of(path: &Path) -> Option<Kind> {
         let plain = unpacked_name(path);
@@ -36,64 +36,64 @@ impl Kind {
     }
 }
 
-/// A file that was read.
+/// Input file.
 #[derive(Clone, Debug)]
 pub struct Input {
-    /// Its name as it was given.
+    /// Path as given by the user.
     pub path: PathBuf,
-    /// What it holds.
+    /// Kind of the content.
     pub kind: Kind,
-    /// Its content, unpacked.
+    /// Content, decompressed.
     pub bytes: Vec<u8>,
 }
 
 impl Input {
-    /// The file's name without folders and extensions.
+    /// Returns the file name without folders and extensions.
     #[must_use]
     pub fn stem(&self) -> String {
         stem(&self.path)
     }
 
-    /// The content as text.
+    /// Returns the content as text.
     ///
     /// # Errors
-    /// If it is not UTF-8, with the line.
+    /// If it is not UTF-8; the message contains the line.
     pub fn text(&self) -> Result<&str, InputError> {
         utf8(&self.path, &self.bytes)
     }
 }
 
-/// The marks with which texts in UTF-16 begin.
+/// Byte order marks of UTF-16.
 const UTF16: [&[u8]; 2] = [&[0xff, 0xfe], &[0xfe, 0xff]];
 
-/// The content of a file as text.
+/// Converts the content of a file to text.
 ///
 /// # Errors
-/// If it is not UTF-8, with the line.
+/// If it is not UTF-8; the message contains the line.
 pub fn utf8<'b>(path: &Path, bytes: &'b [u8]) -> Result<&'b str, InputError> {
     std::str::from_utf8(bytes).map_err(|e| {
         if UTF16.iter().any(|mark| bytes.starts_with(mark)) {
-            return InputError::new(path, "this is UTF-16; save it as UTF-8");
+            return InputError::new(path, "the file is UTF-16; save it as UTF-8");
         }
         let before = &bytes[..e.valid_up_to()];
         let line = 1 + before.iter().filter(|b| **b == b'\n').count();
-        InputError::new(path, format!("line {line} is no text (not UTF-8)"))
+        InputError::new(path, format!("invalid UTF-8 in line {line}"))
     })
 }
 
-/// Why a file cannot be used, and what to do about it.
+/// Error while reading an input file.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct InputError {
-    /// The file.
+    /// Path of the file.
     pub path: PathBuf,
-    /// What is wrong.
+    /// Description of the error.
     pub message: String,
-    /// A way out, if one is known.
+    /// Suggestion, if there is one.
     pub help: Option<String>,
 }
 
 impl InputError {
-    /// An error without a way out.
+    /// Creates an error without a suggestion.
     #[must_use]
     pub fn new(path: &Path, message: impl Into<String>) -> InputError {
         InputError {
@@ -116,21 +116,25 @@ impl fmt::Display for InputError {
 
 impl std::error::Error for InputError {}
 
-/// Reads a file and tells by its name what it holds.
+/// Reads a file and decides its kind by the extension.
 ///
 /// # Errors
-/// If the name tells no kind, or the file cannot be read or unpacked.
+/// If the extension is unknown, or the file cannot be read or decompressed.
 pub fn read(path: &Path) -> Result<Input, InputError> {
     let bytes = std::fs::read(path).map_err(|e| unreadable(path, &e))?;
     let kind = Kind::of(path).ok_or_else(|| {
         let known: Vec<String> = KINDS.iter().map(|k| format!(".{}", k.0)).collect();
-        let help = format!("known are {} (also packed, .gz)", known.join(", "));
+        let help = format!(
+            "known extensions: {} (also compressed, .gz)",
+            known.join(", ")
+        );
         InputError {
             help: Some(help),
-            ..InputError::new(path, "the name does not tell what the file holds")
+            ..InputError::new(path, "unknown file extension")
         }
     })?;
-    let bytes = unpacked(bytes).map_err(|e| InputError::new(path, format!("broken gzip: {e}")))?;
+    let bytes =
+        unpacked(bytes).map_err(|e| InputError::new(path, format!("invalid gzip file: {e}")))?;
     let bytes = match kind {
         Kind::Lustre => as_unicode(bytes),
         _ => bytes,
@@ -142,7 +146,7 @@ pub fn read(path: &Path) -> Result<Input, InputError> {
     })
 }
 
-/// The content, unpacked if it begins as gzip does (RFC 1952, section 2.3.1).
+/// Decompresses the content if it begins with the gzip magic number (RFC 1952, section 2.3.1).
 fn unpacked(bytes: Vec<u8>) -> std::io::Result<Vec<u8>> {
     if !bytes.starts_with(&[0x1f, 0x8b]) {
         return Ok(bytes);
@@ -152,14 +156,15 @@ fn unpacked(bytes: Vec<u8>) -> std::io::Result<Vec<u8>> {
     Ok(out)
 }
 
-/// A file's name without folders and extensions.
+/// Returns the file name without folders and extensions.
 pub(crate) fn stem(path: &Path) -> String {
     let name = unpacked_name(path);
     let stem = name.split_once('.').map(|(stem, _)| stem.to_owned());
     stem.unwrap_or(name)
 }
 
-/// Lustre programs of before Unicode are written in ISO 8859-1, where a byte is the number of its character.
+/// Converts ISO 8859-1 to UTF-8 if the content is not UTF-8. Old Lustre programs use ISO 8859-1, in which each byte is
+/// the code point of its character.
 fn as_unicode(bytes: Vec<u8>) -> Vec<u8> {
     match std::str::from_utf8(&bytes) {
         Ok(_) => bytes,
@@ -177,16 +182,16 @@ fn unpacked_name(path: &Path) -> String {
     name.strip_suffix(".gz").unwrap_or(&name).to_owned()
 }
 
-/// Why a file that the user names can not be read, and what may have been meant.
+/// Returns the error for a file that cannot be read, with a suggestion.
 #[must_use]
 pub fn unreadable(path: &Path, error: &std::io::Error) -> InputError {
     let (message, help) = match error.kind() {
-        ErrorKind::NotFound => ("there is no such file".to_owned(), nearest(path)),
+        ErrorKind::NotFound => ("no such file".to_owned(), nearest(path)),
         ErrorKind::IsADirectory => {
-            let help = "name a file in it".to_owned();
+            let help = "give a file in this folder".to_owned();
             ("this is a folder".to_owned(), Some(help))
         }
-        ErrorKind::PermissionDenied => ("this file may not be read".to_owned(), None),
+        ErrorKind::PermissionDenied => ("permission denied".to_owned(), None),
         _ => (error.to_string(), None),
     };
     InputError {
@@ -195,12 +200,12 @@ pub fn unreadable(path: &Path, error: &std::io::Error) -> InputError {
     }
 }
 
-/// The file that was meant, as far as names tell.
+/// Returns a suggestion: the existing file with the most similar name.
 fn nearest(path: &Path) -> Option<String> {
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty());
     let folder = folder.unwrap_or(Path::new("."));
     let Ok(entries) = std::fs::read_dir(folder) else {
-        return Some(format!("there is no folder {} either", folder.display()));
+        return Some(format!("the folder {} does not exist", folder.display()));
     };
     let mut names: Vec<String> = entries
         .flatten()
@@ -235,7 +240,7 @@ mod tests {
         assert!(error.message.contains("no such file"));
         assert!(error.help.unwrap().contains("blending.rpi"));
         let error = read(&dir.path().join("sub/a.rpi")).unwrap_err();
-        assert!(error.help.unwrap().contains("no folder"));
+        assert!(error.help.unwrap().contains("the folder"));
         assert!(read(dir.path()).unwrap_err().message.contains("folder"));
     }
 

@@ -1,6 +1,6 @@
-//! A program as an editor wants it: all that [`compile`](crate::compile) finds, and what stands where in it.
+//! Compilation for editors: all diagnostics of [`compile`](crate::compile), and queries about source locations.
 //!
-//! The findings are there at once; the table of names and the facts about presence are made when they are first asked for.
+//! The diagnostics are computed at once; the index of names and the presence facts are computed on first use.
 
 use std::cell::OnceCell;
 use std::collections::BTreeMap;
@@ -22,12 +22,12 @@ use crate::input::stem;
 use crate::modules::Modules;
 use crate::source::build_modules;
 
-/// What is known of a program, however broken it is. Its own text is file 0.
+/// Results of checking a program, which may have errors. Its main text is file 0.
 #[derive(Debug)]
 pub struct Inspected {
-    /// The texts that findings point into. Those of the standard library are named `stdlib/....rpi`.
+    /// Source texts that the diagnostics refer to. Those of the standard library are named `stdlib/....rpi`.
     pub sources: SourceMap,
-    /// What was found.
+    /// Diagnostics.
     pub findings: Vec<Finding>,
     modules: Modules,
     checked: Checked,
@@ -37,7 +37,7 @@ pub struct Inspected {
     faults: OnceCell<Vec<FaultPlace>>,
 }
 
-/// Takes a text through all stages; other files that it needs come from `files`. The name of the file tells the language.
+/// Checks a text with all stages. Other files are read through `files`. The extension of the path decides the language.
 #[must_use]
 pub fn inspect(path: &Path, text: &str, files: &dyn Files) -> Inspected {
     let mut sources = SourceMap::new();
@@ -59,30 +59,30 @@ pub fn inspect(path: &Path, text: &str, files: &dyn Files) -> Inspected {
 }
 
 impl Inspected {
-    /// The language of the program's own text.
+    /// Returns the language of the main text.
     #[must_use]
     pub fn mode(&self) -> Mode {
         Mode::of_path(self.sources.name(FileId(0)))
     }
 
-    /// The declarations of the program's own module: of its file and of what that includes.
+    /// Returns the declarations of the main module: those of its file and of the included files.
     pub fn own_items(&self) -> impl Iterator<Item = &Item> {
         self.modules.own_items()
     }
 
-    /// The names of all modules that it was compiled with, its own first.
+    /// Returns the names of all modules of the program, the main module first.
     pub fn modules(&self) -> impl Iterator<Item = &str> {
         self.modules.names()
     }
 
-    /// Every definition and reference.
+    /// Returns the index of all definitions and references.
     pub fn index(&self) -> &Index {
         let index = || with_stack(|| self.modules.index());
         self.index.get_or_init(index)
     }
 
-    /// The types of a definition that is a flow, each once: there are several if it is checked for several choices of
-    /// static arguments, and none if the checker did not come that far.
+    /// Returns the distinct types of a flow definition: several if it is checked for several static arguments, none if
+    /// checking did not reach it.
     #[must_use]
     pub fn types_of(&self, def: &Def) -> &[Typed] {
         let flows = || with_stack(|| types_of_flows(&self.checked.units, self.facts()));
@@ -90,19 +90,19 @@ impl Inspected {
         found.map_or(&[], Vec::as_slice)
     }
 
-    /// The types of what a name stands for where it is read, each once.
+    /// Returns the distinct types of a name at a use.
     #[must_use]
     pub fn types_of_read(&self, name: Span) -> Vec<Typed> {
         with_stack(|| types_of_read(&self.checked.units, self.facts(), name))
     }
 
-    /// The smallest expression around a place, and its types.
+    /// Returns the smallest expression that contains a position, and its types.
     #[must_use]
     pub fn type_around(&self, file: FileId, offset: u32) -> Option<(Span, Vec<Typed>)> {
         with_stack(|| type_around(&self.checked.units, self.facts(), file, offset))
     }
 
-    /// The smallest operation around a place that can fault while the program runs, and how it can.
+    /// Returns the faults of the smallest operation that contains a position and can fault at run time.
     pub fn faults_around(&self, file: FileId, offset: u32) -> Vec<FaultPlace> {
         let is_around = |one: &&FaultPlace| {
             one.span.file == file && one.span.start <= offset && offset < one.span.end
@@ -114,7 +114,8 @@ impl Inspected {
         all.copied().collect()
     }
 
-    /// Worked out when it is first asked for: that takes the program through the later stages again.
+    /// Returns all operations that can fault. They are computed on first use, because that requires the later stages to
+    /// run again.
     fn faults(&self) -> &[FaultPlace] {
         let asked = Asked {
             faults: true,
@@ -124,7 +125,7 @@ impl Inspected {
         self.faults.get_or_init(faults)
     }
 
-    /// The top-level declaration around a place.
+    /// Returns the top-level declaration that contains a location.
     #[must_use]
     pub fn item_around(&self, place: Span) -> Option<&Item> {
         self.modules.items().find(|item| item.span.contains(place))

@@ -1,8 +1,9 @@
-//! From a file name to findings, nets and an image: the pipeline that the tools share.
+//! Compiler pipeline shared by the tools: from a file name to diagnostics, nets and an image.
 //!
-//! [`read`] opens a file, [`compile`] takes it as far as its kind and its faults allow, [`lower_to_run`] and [`lower_to_look`] lower
-//! one of its commands. [`inspect`] does the same for an editor, which asks for more than findings. This crate knows files and the order of the stages; it must not know what any of them finds, nor
-//! what a command does once it runs.
+//! [`read`] opens a file, [`compile`] compiles it as far as its kind and its errors allow, [`lower_to_run`] and
+//! [`lower_to_look`] lower one of its commands. [`inspect`] compiles for an editor, which needs more than diagnostics.
+//! This crate handles files and the order of the stages; it must not depend on the content of diagnostics or on the
+//! execution of commands.
 
 mod agreed;
 mod compile;

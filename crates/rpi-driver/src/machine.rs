@@ -1,7 +1,8 @@
-//! The machine that programs are checked for: `machine.toml` beside a program, or a careful default.
+//! Description of the machine for which programs are checked: `machine.toml` beside a program, or a conservative
+//! default.
 //!
 //! ```toml
-//! ns-per-operation = 4.0     # an elementary operation at worst; `rpic machine` measures it
+//! ns-per-operation = 4.0     # worst-case time of an elementary operation; `rpic machine` measures it
 //! period-us = 1000           # period of a cycle
 //! ```
 
@@ -13,11 +14,11 @@ use serde::Deserialize;
 use crate::files::Files;
 use crate::input::InputError;
 
-/// The file that describes the machine.
+/// File name of the machine description.
 pub const MACHINE: &str = "machine.toml";
 
-/// What such a file says.
-const WANTED: &str = "it has to state `ns-per-operation`, above 0, and may state `period-us`, above 0; `rpic machine` writes such a file";
+/// Required content of the file.
+const WANTED: &str = "required is `ns-per-operation` above 0, optional is `period-us` above 0; `rpic machine` writes such a file";
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
@@ -26,15 +27,15 @@ struct Profile {
     period_us: Option<u64>,
 }
 
-/// The machine of a folder.
+/// Returns the machine description of a folder, or the default if the folder has none.
 ///
 /// # Errors
-/// If there is a file that says what no machine is like.
+/// If the file exists but is invalid.
 pub(crate) fn machine(folder: Option<&Path>, files: &dyn Files) -> Result<Machine, InputError> {
     let path = folder.unwrap_or(Path::new("")).join(MACHINE);
     let text = folder.and_then(|_| files.text(&path));
     let machine = match text {
-        None if folder.is_some() && path.exists() => Err("this is no text file".to_owned()),
+        None if folder.is_some() && path.exists() => Err("not a text file".to_owned()),
         text => text.map(|text| parse(&text)).transpose(),
     };
     machine
@@ -45,19 +46,19 @@ pub(crate) fn machine(folder: Option<&Path>, files: &dyn Files) -> Result<Machin
         })
 }
 
-/// The machine that a file describes, as [`machine_text`] writes it.
+/// Reads a machine description, in the format of [`machine_text`].
 ///
 /// # Errors
-/// If the file cannot be read, or describes none.
+/// If the file cannot be read or is invalid.
 pub fn read_machine(path: &Path) -> Result<Machine, String> {
     let name = path.display();
     let text = std::fs::read_to_string(path).map_err(|e| format!("{name}: {e}"))?;
     parse(&text).map_err(|why| format!("{name}: {why}: {WANTED}"))
 }
 
-/// What a text describes, or why it describes no machine.
+/// Parses a machine description; the error is a message.
 fn parse(text: &str) -> Result<Machine, String> {
-    let no_machine = |why: &str| format!("this describes no machine{why}");
+    let no_machine = |why: &str| format!("invalid machine description{why}");
     let profile: Profile = toml::from_str(text).map_err(|e| {
         let begin = e.span().map_or(0, |span| span.start);
         let line = 1 + text.as_bytes()[..begin]
@@ -76,11 +77,11 @@ fn parse(text: &str) -> Result<Machine, String> {
     sound.then_some(machine).ok_or_else(|| no_machine(""))
 }
 
-/// The text of a machine's file.
+/// Returns the text of a machine description.
 #[must_use]
 pub fn machine_text(ns_per_operation: f64) -> String {
     format!(
-        "# Time of an elementary operation at worst, as `rpic machine` measured it here.\nns-per-operation = {ns_per_operation:.2}\n"
+        "# Worst-case time of an elementary operation, measured by `rpic machine` on this machine.\nns-per-operation = {ns_per_operation:.2}\n"
     )
 }
 

@@ -1,4 +1,4 @@
-//! What a program has that its tests can reach: what is declared, and the fragments, branches and transitions in it.
+//! Coverage points of a program: units, and the fragments, branches and transitions in them.
 
 use rpi_diag::Span;
 use rpi_syntax::ast::{
@@ -7,24 +7,24 @@ use rpi_syntax::ast::{
 
 use crate::modules::Modules;
 
-/// A node, function or fragment, and what is in it, all by their places in the text.
+/// Node, function or fragment with its coverage points, identified by source locations.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Marks {
-    /// What it is and its name: `node Gate`.
+    /// Kind and name: `node Gate`.
     pub what: String,
-    /// Its name.
+    /// Location of the name.
     pub span: Span,
-    /// Whether it stands in the program itself, not in a module that it uses.
+    /// Whether it is declared in the program itself, not in an imported module.
     pub is_own: bool,
-    /// How many fragments and states it has.
+    /// Number of fragments and states.
     pub fragments: usize,
-    /// Each `if` in text order.
+    /// Locations of the `if` expressions, in source order.
     pub choices: Vec<Span>,
-    /// Each transition in text order.
+    /// Locations of the transitions, in source order.
     pub transitions: Vec<Span>,
 }
 
-/// What can be reached in a program and in the modules that it uses.
+/// Returns the coverage points of a program and of the modules that it imports.
 pub(crate) fn of_modules(modules: &Modules) -> Vec<Marks> {
     let own = modules.own_items().count();
     let items = modules.items().enumerate();

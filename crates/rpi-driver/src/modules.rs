@@ -1,4 +1,4 @@
-//! The modules of a program: its file, what it includes and uses, and the standard library, which is built in.
+//! Modules of a program: its file, included files, imported modules, and the embedded standard library.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::path::{Path, PathBuf};
@@ -16,11 +16,11 @@ use crate::input::InputError;
 use crate::machine::machine;
 use crate::source::Text;
 
-/// A module of the standard library.
+/// Module of the standard library.
 struct Library {
     name: &'static str,
     text: &'static str,
-    /// Whether every program has it without saying so.
+    /// Whether every program imports it implicitly.
     implicit: bool,
 }
 
@@ -34,7 +34,7 @@ macro_rules! library {
     };
 }
 
-/// The standard library. A test checks that every file of it is listed.
+/// Standard library. A test checks that every file of it is listed.
 const LIBRARY: &[Library] = &[
     library!("control", false),
     library!("filters", false),
@@ -46,7 +46,7 @@ const LIBRARY: &[Library] = &[
     library!("timers", false),
 ];
 
-/// A module that was found.
+/// Loaded module.
 #[derive(Debug)]
 struct Module {
     name: String,
@@ -55,19 +55,20 @@ struct Module {
     implicit: bool,
 }
 
-/// The modules of a program, parsed.
+/// Parsed modules of a program.
 #[derive(Debug)]
 pub(crate) struct Modules {
     modules: Vec<Module>,
-    /// The machine that they are checked for.
+    /// Machine for which the program is checked.
     pub(crate) machine: Machine,
-    /// What is wrong with its description; it counts as not there then.
+    /// Error in the machine description; the default machine is used then.
     pub(crate) no_machine: Option<InputError>,
     pub(crate) findings: Vec<Finding>,
 }
 
 impl Modules {
-    /// Parses a program's text and all that it needs. Modules are looked for in `folder`, then in the standard library.
+    /// Parses a program and all modules that it needs. Modules are searched for in `folder`, then in the standard
+    /// library.
     pub(crate) fn load(
         name: &str,
         path: &str,
@@ -82,7 +83,7 @@ impl Modules {
         loader.finish(mode)
     }
 
-    /// Parses an example from a module's documentation: a program that has the module without `use`.
+    /// Parses an example in the documentation of a module. The example imports the module implicitly.
     pub(crate) fn load_example(
         example: &str,
         of: &Text<'_>,
@@ -96,31 +97,31 @@ impl Modules {
         loader.finish(mode)
     }
 
-    /// All declarations of all files.
+    /// Returns all declarations of all files.
     pub(crate) fn items(&self) -> impl Iterator<Item = &Item> {
         let files = self.modules.iter().flat_map(|module| &module.files);
         files.flat_map(|file| &file.items)
     }
 
-    /// The declarations of the first module.
+    /// Returns the declarations of the main module.
     pub(crate) fn own_items(&self) -> impl Iterator<Item = &Item> {
         let files = self.modules.iter().take(1).flat_map(|module| &module.files);
         files.flat_map(|file| &file.items)
     }
 
-    /// The names of the modules, in the order in which they were met.
+    /// Returns the names of the modules in the order in which they were loaded.
     pub(crate) fn names(&self) -> impl Iterator<Item = &str> {
         self.modules.iter().map(|module| module.name.as_str())
     }
 
-    /// Every definition and reference.
+    /// Returns the index of all definitions and references.
     pub(crate) fn index(&self) -> Index {
         let sources = self.sources();
         let (program, _) = Program::collect(&sources);
         Index::of(&program, &sources)
     }
 
-    /// As the checker takes them.
+    /// Returns the modules in the form that the checker expects.
     pub(crate) fn sources(&self) -> Vec<Source<'_>> {
         let mut all = Vec::with_capacity(self.modules.len());
         for module in &self.modules {
@@ -156,7 +157,7 @@ impl<'a> Loader<'a> {
         }
     }
 
-    /// Adds what the modules need, and the modules that every program in `.rpi` has.
+    /// Adds the implicit modules (for `.rpi`) and the modules needed by those loaded so far.
     fn finish(mut self, mode: Mode) -> Modules {
         if mode == Mode::Rpi {
             let implicit = LIBRARY.iter().filter(|library| library.implicit);
@@ -177,6 +178,7 @@ impl<'a> Loader<'a> {
     fn module(&mut self, name: &str, path: &str, text: &str, mode: Mode, implicit: bool) {
         let file = self.sources.add(path, text);
         let mut files = vec![self.parse(file, text, mode)];
+        // `files` grows during the loop, because an included file may include others.
         let mut next = 0;
         while next < files.len() {
             for include in includes(&files[next]) {
@@ -200,7 +202,7 @@ impl<'a> Loader<'a> {
         parsed.file
     }
 
-    /// A file that is taken up, unless it has been already.
+    /// Parses an included file, unless it was included before.
     fn include(&mut self, include: &Ident, mode: Mode) -> Option<File> {
         let folder = self.folder.as_ref();
         let path = folder.map(|folder| folder.join(include.name.as_str()));
@@ -218,6 +220,7 @@ impl<'a> Loader<'a> {
                 .push(rpi_sema::no_file(include, folder.is_none()));
             return None;
         };
+        // A `.lus` file is Lustre whichever file includes it. Any other file has the language of the including module.
         let mode = match Mode::of_path(&path) {
             Mode::Lustre => Mode::Lustre,
             Mode::Rpi => mode,
@@ -243,7 +246,7 @@ impl<'a> Loader<'a> {
         }
     }
 
-    /// A module by its name. One that is nowhere is left for the checker to report.
+    /// Loads a module by name. The checker reports a module that does not exist.
     fn find(&mut self, name: &str) {
         if self.modules.iter().any(|module| module.name == name) {
             return;
@@ -284,38 +287,38 @@ fn uses(file: &File) -> Vec<String> {
     names
 }
 
-/// The name under which messages show a module of the standard library.
+/// Returns the path under which messages show a module of the standard library.
 pub(crate) fn library_path(name: &str) -> String {
     format!("stdlib/{name}.rpi")
 }
 
-/// Whether messages show a module of the standard library under this name.
+/// Returns whether a path denotes a module of the standard library in messages.
 pub(crate) fn is_library_path(path: &str) -> bool {
     let name = path.strip_prefix("stdlib/");
     let name = name.and_then(|name| name.strip_suffix(".rpi"));
     name.is_some_and(|name| library_text(name).is_some())
 }
 
-/// The text of a module of the standard library.
+/// Returns the text of a module of the standard library.
 #[must_use]
 pub fn library_text(name: &str) -> Option<&'static str> {
     let found = LIBRARY.iter().find(|library| library.name == name);
     found.map(|library| library.text)
 }
 
-/// What a program could use of the standard library.
+/// Access to the standard library for suggestions about missing imports.
 pub(crate) const BESIDE: rpi_sema::program::Library = rpi_sema::program::Library {
     modules: || library_modules().collect(),
     declaring,
 };
 
-/// The module of the standard library that declares a name, among those that have to be used.
+/// Returns the module of the standard library that declares a name, among the modules that need a `use`.
 fn declaring(name: &str) -> Option<&'static str> {
     static NAMES: OnceLock<BTreeMap<String, &'static str>> = OnceLock::new();
     NAMES.get_or_init(declared).get(name).copied()
 }
 
-/// Every name that the modules of the standard library declare, with its module.
+/// Returns every name declared by the modules of the standard library, with its module.
 fn declared() -> BTreeMap<String, &'static str> {
     let mut names = BTreeMap::new();
     for library in LIBRARY.iter().filter(|library| !library.implicit) {
@@ -334,7 +337,7 @@ fn declared() -> BTreeMap<String, &'static str> {
     names
 }
 
-/// The names of the standard library's modules.
+/// Returns the names of the modules of the standard library.
 pub fn library_modules() -> impl Iterator<Item = &'static str> {
     LIBRARY.iter().map(|library| library.name)
 }

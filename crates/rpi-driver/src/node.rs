@@ -1,4 +1,4 @@
-//! A node by itself: which one of a file it is, its net, and the columns of the tables that it reads and writes.
+//! Compilation of a single node: its selection, its net, and the columns of its input and output tables.
 
 use rpi_diag::{FileId, Finding, Severity, SourceMap};
 use rpi_image::Scalar;
@@ -14,32 +14,32 @@ use crate::compile::{display, program_text};
 use crate::input::{Input, InputError};
 use crate::source::{self, Front};
 
-/// What became of a file of which one node is asked for.
+/// Result of compiling a single node of a file.
 #[derive(Debug)]
 pub struct NodeCompiled {
-    /// The texts that findings point into.
+    /// Source texts that the diagnostics refer to.
     pub sources: SourceMap,
-    /// What was found.
+    /// Diagnostics.
     pub findings: Vec<Finding>,
-    /// The node, if nothing is wrong with it.
+    /// Node, if it has no errors.
     pub node: Option<Node>,
 }
 
-/// A node that can be run by itself.
+/// Node that can be run on its own.
 #[derive(Debug)]
 pub struct Node {
-    /// Its net; it exports all columns but the in-ports, by their keys.
+    /// Net of the node. It exports all columns except the in-ports, by their keys.
     pub net: Net,
-    /// In-ports, leaf by leaf.
+    /// In-ports, one column per scalar component.
     pub inputs: Vec<Column>,
-    /// Out-ports, leaf by leaf.
+    /// Out-ports, one column per scalar component.
     pub outputs: Vec<Column>,
-    /// Its other flows, leaf by leaf, if they were asked for.
+    /// Local flows, one column per scalar component, if requested.
     pub locals: Vec<Column>,
 }
 
 impl NodeCompiled {
-    /// Whether something was found that keeps the node from running.
+    /// Returns whether there is an error, which prevents the node from running.
     #[must_use]
     pub fn has_errors(&self) -> bool {
         self.findings
@@ -48,11 +48,11 @@ impl NodeCompiled {
     }
 }
 
-/// Takes one node of a program through all stages up to a checked net: the one of this name; else the one that
-/// `--%MAIN` marks, or that is called like the file, or the last that nobody calls.
+/// Compiles one node of a program up to a checked net. The node is the one with the given name; otherwise the one
+/// marked with `--%MAIN`, the one named like the file, or the last one that no other node calls.
 ///
 /// # Errors
-/// If the file holds no text or no such node; faults of the program are findings, not errors.
+/// If the file is not text or has no such node. Errors in the program are diagnostics instead.
 pub fn compile_node(
     input: &Input,
     name: Option<&str>,
@@ -122,7 +122,8 @@ fn chosen(
     })
 }
 
-/// The last node that no other one calls: commands and tests may. What a text includes comes after what it says itself.
+/// Returns the last node that no other node calls; calls from commands and tests do not count. Nodes of the file itself
+/// take precedence over included ones.
 fn last(front: &Front<'_>) -> Option<UnitId> {
     let is_node = |decl: DeclId| {
         let kind = &front.program.decl(decl).kind;
@@ -141,10 +142,10 @@ fn last(front: &Front<'_>) -> Option<UnitId> {
         .map(|(_, unit)| unit)
 }
 
-/// The text itself is read first.
+/// The main text is always file 0, because it is read first.
 const OWN: FileId = FileId(0);
 
-/// Whether something is checked as nodes are, and is none.
+/// Returns whether a declaration is checked like a node but is not a node.
 fn is_apart(kind: DeclKind<'_>) -> bool {
     match kind {
         DeclKind::Node(node) => node.kind == NodeKind::Contract,
@@ -157,7 +158,7 @@ fn missing(front: &Front<'_>, name: &str, nodes: &[(&str, UnitId)]) -> String {
     let mut declared = front.program.root().decls.iter();
     if declared.any(|id| front.program.decl(*id).name == *name) {
         return format!(
-            "`{name}` cannot be run by itself: it is no node, or needs static arguments"
+            "`{name}` cannot be run alone: it is not a node, or needs static arguments"
         );
     }
     let names: Vec<&str> = nodes.iter().map(|node| node.0).collect();
@@ -167,10 +168,10 @@ fn missing(front: &Front<'_>, name: &str, nodes: &[(&str, UnitId)]) -> String {
     }
 }
 
-/// Kind 2's mark of the node to look at.
+/// Pragma of Kind 2 for the main node.
 const MARK: &str = "--%MAIN";
 
-/// The names of the declarations that `--%MAIN` stands in.
+/// Returns the names of the declarations that contain `--%MAIN`.
 fn marked(text: &str, path: &str) -> Vec<String> {
     if !text.contains(MARK) {
         return Vec::new();

@@ -1,11 +1,11 @@
-//! Spans of time on the command line: `1ms`, `250us`, `0.5s`.
+//! Durations on the command line: `1ms`, `250us`, `0.5s`.
 
 const UNITS: &[(&str, f64)] = &[("ns", 1.0), ("us", 1e3), ("ms", 1e6), ("s", 1e9)];
 
-/// A positive span of time in nanoseconds, from a number with a unit.
+/// Parses a positive duration, a number with a unit. Returns it in ns.
 ///
 /// # Errors
-/// If the unit is missing or unknown, or the number is none, not positive or longer than a year.
+/// If the unit is missing or unknown, or the number is invalid, not positive or longer than a year.
 pub fn parse_period(text: &str) -> Result<u64, String> {
     let unit = text.trim_start_matches(|c: char| c.is_ascii_digit() || c == '.');
     let (number, unit) = (&text[..text.len() - unit.len()], unit.trim());
@@ -13,16 +13,16 @@ pub fn parse_period(text: &str) -> Result<u64, String> {
     let (_, factor) = factor.ok_or("expected a number with one of the units ns, us, ms, s")?;
     let number: f64 = number
         .parse()
-        .map_err(|_| format!("`{number}` is no number"))?;
+        .map_err(|_| format!("`{number}` is not a number"))?;
     let nanos = (number * factor).round();
     if (1.0..=3.2e16).contains(&nanos) {
         Ok(nanos as u64)
     } else {
-        Err("expected more than nothing and less than a year".to_owned())
+        Err("expected a duration above 0 and below one year".to_owned())
     }
 }
 
-/// A span of time in the largest unit in which it is at least 1.
+/// Formats a duration with the largest unit in which it is at least 1.
 #[must_use]
 pub fn period_text(nanos: u64) -> String {
     let mut fitting = UNITS

@@ -1,9 +1,9 @@
-//! Projects: a folder of programs, with a description in `rpi.toml` if it has one.
+//! Projects: a folder of programs, optionally described by `rpi.toml`.
 //!
 //! ```toml
 //! name = "pick cell"
 //! description = "Two arms and a belt."
-//! sources = ["src"]     # folders or files; without it everything below the folder
+//! sources = ["src"]     # folders or files; default: everything below the folder
 //! ```
 
 use std::path::{Path, PathBuf};
@@ -12,23 +12,23 @@ use serde::Deserialize;
 
 use crate::input::{InputError, Kind};
 
-/// The file that describes a project.
+/// File name of the project description.
 pub const MANIFEST: &str = "rpi.toml";
 
-/// A folder of programs.
+/// Folder of programs.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Project {
-    /// What it is called: by its description, else as its folder or file.
+    /// Name from the description, otherwise that of the folder or file.
     pub name: String,
-    /// What it is, in Markdown.
+    /// Description in Markdown.
     pub description: String,
-    /// Its folder.
+    /// Folder of the project.
     pub root: PathBuf,
-    /// Its programs, sorted.
+    /// Programs, sorted by path.
     pub files: Vec<PathBuf>,
 }
 
-/// What `rpi.toml` says.
+/// Content of `rpi.toml`.
 #[derive(Deserialize, Default)]
 #[serde(deny_unknown_fields)]
 struct Manifest {
@@ -39,10 +39,10 @@ struct Manifest {
 }
 
 impl Project {
-    /// Opens a folder, its `rpi.toml`, or a single program.
+    /// Opens a project by its folder, its `rpi.toml`, or a single program.
     ///
     /// # Errors
-    /// If there is nothing at the path, `rpi.toml` is none, or there is no program.
+    /// If the path does not exist, `rpi.toml` is invalid, or there is no program.
     pub fn open(path: &Path) -> Result<Project, InputError> {
         if path.is_dir() {
             return Project::folder(path);
@@ -59,7 +59,7 @@ impl Project {
                 root: path.parent().unwrap_or(Path::new("")).to_owned(),
                 files: vec![path.to_owned()],
             }),
-            _ => Err(InputError::new(path, "this is no program (.rpi, .lus)")),
+            _ => Err(InputError::new(path, "not a program (.rpi, .lus)")),
         }
     }
 
@@ -70,7 +70,7 @@ impl Project {
         for source in sources {
             let path = root.join(&source);
             if !path.exists() {
-                let message = format!("there is no {}, which it names", source.display());
+                let message = format!("no {}, which `sources` lists", source.display());
                 return Err(InputError::new(&root.join(MANIFEST), message));
             }
             programs(&path, &mut files);
@@ -78,7 +78,7 @@ impl Project {
         files.sort();
         files.dedup();
         match files.is_empty() {
-            true => Err(InputError::new(root, "there is no program in this folder")),
+            true => Err(InputError::new(root, "no program in this folder")),
             false => Ok(Project {
                 name: manifest.name.unwrap_or_else(|| folder_name(root)),
                 description: manifest.description,
@@ -89,10 +89,10 @@ impl Project {
     }
 }
 
-/// The files that are meant by some paths: of a folder, or of the `rpi.toml` in it, its programs.
+/// Expands paths to files: a folder, or its `rpi.toml`, stands for the programs of the project.
 ///
 /// # Errors
-/// If a folder has no program, or its `rpi.toml` is none.
+/// If a folder has no program, or its `rpi.toml` is invalid.
 pub fn files_of(paths: &[PathBuf]) -> Result<Vec<PathBuf>, InputError> {
     let mut files = Vec::new();
     for path in paths {
@@ -104,7 +104,7 @@ pub fn files_of(paths: &[PathBuf]) -> Result<Vec<PathBuf>, InputError> {
     Ok(files)
 }
 
-/// A path as people write it, without `./`.
+/// Returns a path without a leading `./`.
 fn shown(path: &Path) -> PathBuf {
     path.strip_prefix(".").unwrap_or(path).to_owned()
 }
@@ -125,8 +125,8 @@ fn folder_name(root: &Path) -> String {
     name.unwrap_or_else(|| "programs".to_owned())
 }
 
-/// The programs at or below a path; hidden folders and build outputs apart. Links are followed to files, not to folders,
-/// which may lie outside, or be those that the links lie in.
+/// Adds the programs at or below a path. Hidden folders and build outputs are skipped. Symbolic links are followed to
+/// files but not to folders, which may form a loop or lie outside the project.
 fn programs(path: &Path, files: &mut Vec<PathBuf>) {
     if path.is_file() {
         let kind = Kind::of(path);

@@ -1,4 +1,4 @@
-//! Programs: from parsed modules to nets.
+//! Compilation of programs: from parsed modules to nets.
 
 use std::cell::RefCell;
 use std::collections::BTreeSet;
@@ -24,70 +24,70 @@ use crate::tests::Test;
 use crate::unwanted;
 use crate::violation;
 
-/// What became of a program.
+/// Result of compiling a program.
 pub(crate) struct Built {
-    /// Its commands, in the order of the text; those that can be run.
+    /// Commands that can be run, in source order.
     pub(crate) nets: Vec<Net>,
-    /// Its commands that lack arguments.
+    /// Commands that lack arguments.
     pub(crate) unset: Vec<Unset>,
-    /// Its tests, in the order of the text.
+    /// Tests, in source order.
     pub(crate) tests: Vec<Test>,
-    /// What was found.
+    /// Diagnostics.
     pub(crate) findings: Vec<Finding>,
-    /// What was established.
+    /// Summaries of the analyses.
     pub(crate) told: Vec<Told>,
-    /// What can fault while it runs, in the order of the text, if that was asked for.
+    /// Operations that can fault at run time, in source order, if requested.
     pub(crate) faults: Vec<FaultPlace>,
-    /// Its tasks, in the order of the text.
+    /// Tasks, in source order.
     pub(crate) tasks: Vec<Task>,
 }
 
-/// A program as a file gives it.
+/// Text of a program in a file.
 pub(crate) struct Text<'t> {
-    /// The module's name.
+    /// Name of the module.
     pub(crate) name: &'t str,
-    /// The file's name for messages.
+    /// Path of the file, for messages.
     pub(crate) path: &'t str,
-    /// Its text.
+    /// Text.
     pub(crate) text: &'t str,
-    /// Where other modules are looked for.
+    /// Folder in which other modules are searched for.
     pub(crate) folder: Option<&'t Path>,
 }
 
 impl Text<'_> {
-    /// The text and all modules that it needs, parsed.
+    /// Parses the text and all modules that it needs.
     pub(crate) fn modules(&self, sources: &mut SourceMap) -> Modules {
         Modules::load(self.name, self.path, self.text, self.folder, &Disk, sources)
     }
 }
 
-/// A program whose units have been checked, and what is known of its flows.
+/// Program whose units have been checked, with facts about its flows.
 pub(crate) struct Front<'p> {
     pub(crate) program: &'p Program<'p>,
     pub(crate) checked: &'p Checked,
     pub(crate) sources: &'p SourceMap,
     pub(crate) facts: &'p [Facts],
-    /// Which units have been found in order so far.
+    /// For each unit whether it has no errors so far.
     pub(crate) sound: &'p [bool],
     pub(crate) machine: Machine,
-    /// How many nodes all nets together may have, and have so far.
+    /// Budget of nodes for all nets together, and its current use.
     pub(crate) room: Room,
-    /// What was found out about each unit so far, if anybody wants to know.
+    /// Summaries of the units so far, if requested.
     told: RefCell<Option<Vec<Told>>>,
-    /// What can fault in the nets so far, if anybody wants to know.
+    /// Operations that can fault in the nets so far, if requested.
     faults: RefCell<Option<BTreeSet<FaultPlace>>>,
 }
 
-/// What the analyses found out about something that can be run: its name, and a line per analysis.
+/// Summary of the analyses of one unit: its name, and one line per result.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Told {
-    /// Its name.
+    /// Name of the unit.
     pub name: String,
-    /// The analyses by name, each with what it established.
+    /// Lines: the name of the analysis and its result.
     pub lines: Vec<(&'static str, String)>,
 }
 
-/// Takes parsed modules through all other stages. What the checker made of them is kept for who wants to look at it.
+/// Compiles parsed modules with all further stages. Also returns the result of the checker.
 pub(crate) fn build_modules(
     modules: &Modules,
     sources: &SourceMap,
@@ -107,7 +107,7 @@ pub(crate) fn build_modules(
     (built, checked)
 }
 
-/// Checks parsed modules and hands them to what makes nets of those units that nothing is wrong with.
+/// Checks parsed modules and calls `back`, which makes nets of the units without errors.
 pub(crate) fn with_front<T>(
     modules: &Modules,
     sources: &SourceMap,
@@ -145,7 +145,7 @@ fn checked<T>(
     let (is_faulty, before) = (has_errors(&findings), findings.len());
     let made = back(&front, &mut findings);
     if is_faulty {
-        // What has a fault may be what needs it.
+        // An error may hide a use of this text, so it may not be unused.
         let needless = |f: &Finding| f.code.is_about_needless_text();
         let mut found = findings.split_off(before);
         found.retain(|finding| !needless(finding));
@@ -158,7 +158,7 @@ fn checked<T>(
         findings.append(&mut more);
     }
     crate::fixes::typed(&mut findings, &checked);
-    // What is only worth knowing about a library is not the business of who uses it.
+    // Warnings and notes about library modules are not useful for the user of the library.
     let own = texts.first().map_or(0, |root| root.files.len());
     findings.retain(|finding| {
         let file = finding.span().file.0 as usize;
@@ -167,7 +167,7 @@ fn checked<T>(
     (made, once(findings), checked)
 }
 
-/// What can be run.
+/// Units that can be run.
 #[derive(Default)]
 struct Roots {
     nets: Vec<Net>,
@@ -228,7 +228,7 @@ fn roots(front: &Front<'_>, asked: Asked, findings: &mut Vec<Finding>) -> Roots 
     roots
 }
 
-/// The net of a command for the arguments that a task gives it.
+/// Returns the net of a command for the arguments given by a task.
 fn instance(
     front: &Front<'_>,
     instance: Instance,
@@ -255,7 +255,8 @@ fn instance(
     Some(Net { name, ..made.net })
 }
 
-/// Whether it states a budget that its callers do not look at: a primitive's, which is written out where it is called.
+/// Returns whether a called unit has a budget that the analysis of its callers does not check: nodes are inlined into
+/// their callers, so the budget must be checked separately.
 fn is_bounded_alone(unit: &Unit) -> bool {
     let budget = unit.block(BlockId::ROOT).budget_ns;
     unit.kind != UnitKind::Fragment && budget.is_some()
@@ -269,7 +270,7 @@ fn test(unit: &Unit, made: Elaborated) -> Test {
     }
 }
 
-/// What was made of a unit with its claims published, with other claims.
+/// Elaborates a unit again with other treatment of its claims, if it has any.
 pub(crate) fn with_claims(
     front: &Front<'_>,
     unit: UnitId,
@@ -283,8 +284,8 @@ pub(crate) fn with_claims(
     }
 }
 
-/// The net of one unit, if the passes find nothing against it. Its claims are published, whatever will become of them:
-/// the passes look at them, too.
+/// Elaborates and analyses one unit. Returns `None` if the passes report errors. Claims are always published here,
+/// because the passes analyse them as well.
 fn one(
     front: &Front<'_>,
     unit: UnitId,
@@ -301,7 +302,7 @@ fn one(
     analysed(front, unit, args, made, findings)
 }
 
-/// The net of a unit, if the passes find nothing against it.
+/// Analyses the net of a unit. Returns `None` if the passes report errors.
 pub(crate) fn analysed(
     front: &Front<'_>,
     unit: UnitId,
@@ -311,9 +312,12 @@ pub(crate) fn analysed(
 ) -> Option<Elaborated> {
     let mut found = std::mem::take(&mut made.findings);
     if !has_errors(&found) {
+        // The analysis consumes the net and returns the optimised one.
         let net = std::mem::replace(&mut made.net, Net::new(""));
         match rpi_net::passes::analyse_unless_ring(net, |_| false) {
             Ok(None) => found.extend(rings(front, unit, args)),
+            // The net for execution omits equations that only copy a flow, so it can hide a dependency cycle through
+            // them.
             Ok(Some(_)) if made.leaves_out && front.hides_ring(unit, args) => {
                 found.extend(rings(front, unit, args));
             }
@@ -338,7 +342,7 @@ pub(crate) fn analysed(
 }
 
 impl Front<'_> {
-    /// Whether a unit, with all that it needs, has been found in order so far.
+    /// Returns whether a unit and everything it depends on have no errors so far.
     pub(crate) fn is_sound(&self, unit: UnitId) -> bool {
         self.sound[unit.0 as usize]
     }
@@ -347,7 +351,7 @@ impl Front<'_> {
         hides_ring(&self.checked.units, self.facts, unit, args)
     }
 
-    /// Keeps what was found out about a task.
+    /// Records the summary of a task.
     fn tell_task(&self, unit: UnitId) {
         if let Some(told) = self.told.borrow_mut().as_mut() {
             let lines = rpi_sema::told(&self.checked.units, unit);
@@ -356,7 +360,8 @@ impl Front<'_> {
         }
     }
 
-    /// What can fault in a net, looked for only if that matters to somebody.
+    /// Returns the diagnostics about operations that can fault. They are computed only if a summary, the locations or
+    /// warnings are needed.
     fn faults(&self, unit: UnitId, analysis: &Analysis, made: &Elaborated) -> Vec<Finding> {
         let mut kept = self.faults.borrow_mut();
         let is_told = self.told.borrow().is_some();
@@ -371,7 +376,7 @@ impl Front<'_> {
         faults::of_operands(&made.operands, &found)
     }
 
-    /// Keeps what was found out about a unit.
+    /// Records the summary of a unit.
     fn tell(&self, unit: UnitId, analysis: &Analysis, made: &Elaborated, faults: &[CanFault]) {
         let mut told = self.told.borrow_mut();
         let Some(told) = told.as_mut() else {
@@ -384,17 +389,14 @@ impl Front<'_> {
         lines.extend(faults::lines(faults, self.sources));
         if made.has_claims {
             let count = analysis.net.claims.len();
-            lines.push((
-                "claims",
-                format!("{count} assertions and clauses of contracts"),
-            ));
+            lines.push(("claims", format!("{count} assertions and contract clauses")));
         }
         let name = self.checked.unit(unit).name.to_string();
         told.push(Told { name, lines });
     }
 }
 
-/// The bound on a cycle beside what is stated.
+/// Returns the summary of the work bound and the declared budgets.
 fn budget(analysis: &Analysis, machine: Machine) -> String {
     let bound = machine.time_of(analysis.work.of(FragmentId::ROOT)) / 1e3;
     let fragments = analysis.net.fragments.iter();
@@ -402,21 +404,22 @@ fn budget(analysis: &Analysis, machine: Machine) -> String {
         .filter(|fragment| fragment.budget_ns.is_some())
         .count();
     format!(
-        "at most {bound:.2} us of {} us at {} ns an operation; {stated} budgets stated",
+        "at most {bound:.2} us of {} us at {} ns per operation; {stated} budgets declared",
         machine.period_ns / 1000,
         machine.ns_per_operation
     )
 }
 
-/// The rings of a unit, drawn with every equation on the way: a net for running leaves out those that only pass on.
+/// Returns the dependency cycles of a unit with every equation on the path. They are computed from a second net,
+/// because the net for execution omits equations that only copy a flow.
 fn rings(front: &Front<'_>, unit: UnitId, args: &[Argument]) -> Vec<Finding> {
     let net = elaborate_steps(&front.checked.units, front.facts, unit, args);
     let analysis = rpi_net::passes::analyse(net, |_| false);
     analysis.map_or_else(|_| Vec::new(), |analysis| analysis.findings)
 }
 
-/// What a command's parameters are when it is run by itself: devices by their names, values by constants of the same
-/// name.
+/// Returns the arguments of a command that is run on its own: devices are bound by name, values to constants of the
+/// same name.
 fn arguments(front: &Front<'_>, unit: UnitId) -> Vec<Argument> {
     let unit = front.checked.unit(unit);
     let params = rpi_sema::elab::parameters(unit);
@@ -424,7 +427,7 @@ fn arguments(front: &Front<'_>, unit: UnitId) -> Vec<Argument> {
     params.into_iter().map(argument).collect()
 }
 
-/// A command that lacks arguments; [`None`] if it lacks none.
+/// Returns a command that lacks arguments, or `None` if it lacks none.
 fn unset(unit: &Unit, args: &[Argument]) -> Option<Unset> {
     let params = rpi_sema::elab::parameters(unit).into_iter().zip(args);
     let lacking = params.filter(|(_, arg)| **arg == Argument::Unknown);
@@ -439,7 +442,7 @@ fn unset(unit: &Unit, args: &[Argument]) -> Option<Unset> {
     })
 }
 
-/// The units that others call.
+/// Returns the units that others call.
 pub(crate) fn called<'u>(units: impl IntoIterator<Item = &'u Unit>) -> BTreeSet<UnitId> {
     let exprs = units.into_iter().flat_map(|unit| &unit.exprs);
     let calls = exprs.filter_map(|expr| match &expr.kind {
@@ -455,9 +458,9 @@ pub(crate) fn has_errors(findings: &[Finding]) -> bool {
         .any(|finding| finding.severity() == Severity::Error)
 }
 
-/// Each finding once: a unit that is called in several places is looked at in each of them, where its flows may have
-/// other names; what the same changes mend at the same place is the same fault. What is found at a place where the text
-/// itself has a fault follows from that.
+/// Removes duplicates and consequential diagnostics. A unit called in several places is analysed in each of them,
+/// possibly with other names for its flows; diagnostics with the same fixes at the same location are the same error. A
+/// diagnostic at the location of a syntax error is a consequence of it.
 fn once(findings: Vec<Finding>) -> Vec<Finding> {
     let syntax = findings.iter().filter(|finding| of_syntax(finding));
     let broken: Vec<Span> = syntax
@@ -479,13 +482,13 @@ fn once(findings: Vec<Finding>) -> Vec<Finding> {
     kept
 }
 
-/// What the fixes of a finding change.
+/// Returns the changes that the fixes of a diagnostic make.
 fn changes(finding: &Finding) -> Vec<(Span, String)> {
     let edits = finding.fixes.iter().flat_map(|fix| &fix.edits);
     edits.map(|edit| (edit.span, edit.text.clone())).collect()
 }
 
-/// Group 0 of the codes, errors only.
+/// Returns whether a diagnostic is a syntax error (group 0 of the codes).
 fn of_syntax(finding: &Finding) -> bool {
     finding.code.as_str().starts_with("RPI0") && finding.severity() == Severity::Error
 }

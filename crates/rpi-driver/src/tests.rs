@@ -1,15 +1,15 @@
-//! The tests of a program.
+//! Tests of a program.
 
 use rpi_diag::Span;
 use rpi_net::Net;
 
-/// A test, ready to be run.
+/// Test that can be run.
 #[derive(Clone, Debug)]
 pub struct Test {
-    /// What it shows, in words.
+    /// Title of the test.
     pub title: String,
-    /// Where its title stands.
+    /// Location of the title.
     pub span: Span,
-    /// What is run.
+    /// Net of the test.
     pub net: Net,
 }

@@ -1,4 +1,4 @@
-//! The typed program by itself, for who wants to interpret it in another way than as a net.
+//! Typed program, for interpreters that do not use nets.
 
 use rpi_diag::{Finding, SourceMap};
 use rpi_sema::facts::Facts;
@@ -8,19 +8,19 @@ use crate::compile::{display, program_text};
 use crate::input::{Input, InputError};
 use crate::source;
 
-/// A checked program.
+/// Checked program.
 #[derive(Debug)]
 pub struct Typed {
-    /// Its units.
+    /// Units of the program.
     pub units: Vec<Unit>,
-    /// What was found out about each of them.
+    /// Presence facts of each unit.
     pub facts: Vec<Facts>,
-    /// What can be run by itself: name and unit.
+    /// Units that can be run on their own, by name.
     pub runnable: Vec<(String, UnitId)>,
 }
 
 impl Typed {
-    /// What can be run under a name.
+    /// Returns the runnable unit of this name.
     #[must_use]
     pub fn unit(&self, name: &str) -> Option<UnitId> {
         let found = self.runnable.iter().find(|(known, _)| known == name);
@@ -28,10 +28,10 @@ impl Typed {
     }
 }
 
-/// Checks a program, up to its typed units.
+/// Checks a program and returns its typed units, or its diagnostics if there are errors.
 ///
 /// # Errors
-/// If the file is no text.
+/// If the file is not text.
 pub fn typed(input: &Input) -> Result<Result<Typed, Vec<Finding>>, InputError> {
     let (stem, path, text) = (input.stem(), display(&input.path), input.text()?);
     let mut sources = SourceMap::new();

@@ -1,11 +1,11 @@
-//! Out-ports of what is called: that a caller leaves one alone is no fault of anybody.
+//! Suppression of warnings about unused outputs of called units: a caller need not use every output.
 
 use std::collections::BTreeSet;
 
 use rpi_diag::{Finding, Span};
 use rpi_sema::typed::{Equation, FlowRole, Place, Unit, UnitId};
 
-/// Takes out findings about text without effect that stands where a called unit computes an out-port.
+/// Removes diagnostics about unused text at locations where a called unit computes an out-port.
 pub(crate) fn forgive(units: &[Unit], root: UnitId, found: &mut Vec<Finding>) {
     if !found.iter().any(|f| f.code.is_about_needless_text()) {
         return;
@@ -16,7 +16,7 @@ pub(crate) fn forgive(units: &[Unit], root: UnitId, found: &mut Vec<Finding>) {
     found.retain(|f| !(f.code.is_about_needless_text() && places.contains(&f.span())));
 }
 
-/// Where a unit computes its out-ports.
+/// Returns the locations of the expressions that define the out-ports of a unit.
 fn out_ports(unit: &Unit) -> impl Iterator<Item = Span> + '_ {
     let equations = unit.blocks.iter().flat_map(|block| &block.equations);
     let gives = |equation: &&Equation| {

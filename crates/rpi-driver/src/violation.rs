@@ -1,11 +1,11 @@
-//! What is said when a stage of the compiler breaks its promise to the next one.
+//! Reporting of invalid nets produced by a compiler stage.
 
 use rpi_diag::{Finding, Span};
 use rpi_net::Violation;
 
-/// The finding of a violation; `around` is the place of all that was being compiled.
+/// Converts a violation to a diagnostic; `around` is the location of the unit that was being compiled.
 pub(crate) fn finding(violation: &Violation, around: Span) -> Finding {
-    let message = format!("the compiler made a net that is not in order: {violation}");
+    let message = format!("the compiler produced an invalid net: {violation}");
     let place = match violation.place() {
         Span::NONE => around,
         place => place,

@@ -1,4 +1,4 @@
-//! Programs that no one writes by hand: whatever their size, they are told so or compile; nothing overflows or hangs.
+//! Excessively large programs either compile or are rejected with a diagnostic; nothing overflows or hangs.
 
 use std::fmt::Write;
 
@@ -6,7 +6,7 @@ use rpi_diag::Code;
 use rpi_driver::{Input, Kind, compile};
 use rpi_syntax::Mode;
 
-/// The codes of what is found in a program, each once, with the messages.
+/// Returns the codes and messages of the diagnostics of a program.
 fn found(text: &str) -> Vec<(Code, String)> {
     let input = Input {
         path: "limits.rpi".into(),
@@ -19,7 +19,7 @@ fn found(text: &str) -> Vec<(Code, String)> {
         .collect()
 }
 
-/// `n` declarations in a row.
+/// Returns `n` consecutive declarations.
 fn row(n: usize, one: impl Fn(usize) -> String) -> String {
     (0..n).fold(String::new(), |mut text, k| {
         let _ = writeln!(text, "{}", one(k));
@@ -27,7 +27,7 @@ fn row(n: usize, one: impl Fn(usize) -> String) -> String {
     })
 }
 
-/// The messages have one code, and few of them are given.
+/// Checks that the diagnostics begin with the given code and that there are fewer than 20.
 fn is_said(text: &str, code: Code) {
     let found = found(text);
     assert!((1..20).contains(&found.len()), "{} findings", found.len());
@@ -49,7 +49,7 @@ fn constants_in_order_may_be_many() {
     assert_eq!(found(&format!("const c0 = 1;\n{many}")), []);
 }
 
-/// Threads of tests have small stacks, like those of a server.
+/// Test threads have small stacks, like the threads of a server.
 #[test]
 fn expressions_may_nest_as_deeply_as_they_may() {
     let node = |of: &str, y: &str| format!("node N(x: {of}) returns (y: {of})\nlet y = {y}; tel\n");
@@ -204,7 +204,7 @@ fn names_for_names_may_be_some_and_not_many() {
 
 const COMMAND: &str = "command C (n: int) let finish d when time > real(n) * 1[s]; tel\n";
 
-/// A task is written out wherever another one runs it.
+/// A task is inlined wherever another one calls it.
 #[test]
 fn tasks_that_double_are_not_written_out_without_end() {
     let inner = row(40, |k| {

@@ -1,5 +1,5 @@
-//! The table of names agrees with the checker: in a program that is right, every name is either in the table or there
-//! without a declaration; and what the table says of a name has that name.
+//! Consistency of the name index with the checker. In a correct program, every name is in the index or needs no
+//! declaration, and each reference in the index is an occurrence of the name.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -17,7 +17,7 @@ fn seen(path: &Path) -> Inspected {
     inspect(path, &text, &Disk)
 }
 
-/// Programs that are right.
+/// Returns correct programs.
 fn right() -> Vec<PathBuf> {
     let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/names/everything.rpi");
     let folders = ["examples", "stdlib"].map(|folder| files_below(folder, &[".rpi", ".lus"]));
@@ -40,7 +40,7 @@ fn references_are_places_of_the_name() {
         let seen = seen(&path);
         for (id, def) in seen.index().defs_in(FileId(0)) {
             for span in seen.index().references(id) {
-                // The title of a test stands in quotes.
+                // The title of a test is in quotes.
                 let written = seen.sources.slice(span).trim_matches('"');
                 let is_module = span.start == span.end;
                 assert!(
@@ -53,7 +53,7 @@ fn references_are_places_of_the_name() {
     }
 }
 
-/// The names of the program's own text that nothing explains, with their lines.
+/// Returns the names in the main text that have no explanation, with their lines.
 fn unexplained(seen: &Inspected) -> Vec<String> {
     let text = seen.sources.text(FileId(0));
     let known = without_declaration();
@@ -76,7 +76,7 @@ fn unexplained(seen: &Inspected) -> Vec<String> {
             || known.contains(name)
             || builtin(name).is_some()
             || PrimId::of(name).is_some()
-            // `on any then end`: words of the language that are names elsewhere.
+            // `on any then end`: keywords that are names elsewhere.
             || name == "any"
             || KEYWORDS.iter().any(|word| word.text == name)
             || is_unit(&words[..k], text)
@@ -89,7 +89,7 @@ fn unexplained(seen: &Inspected) -> Vec<String> {
     unknown
 }
 
-/// Ports and parameters of primitives, types and parts of spatial values.
+/// Returns the names of ports and parameters of primitives, and of types and components of spatial values.
 fn without_declaration() -> BTreeSet<String> {
     let ports = registry().iter().flat_map(|prim| {
         let inputs = prim.desc.inputs.iter().map(|port| port.name.to_owned());
@@ -111,7 +111,7 @@ fn without_declaration() -> BTreeSet<String> {
     ports.chain(parts).chain(types).collect()
 }
 
-/// Whether what follows these words stands in the brackets after a number or `real`.
+/// Returns whether the token after these is in the unit brackets after a number or `real`.
 fn is_unit(words: &[&Piece], text: &str) -> bool {
     let written = |piece: &&&Piece| &text[piece.range.clone()];
     let mut before = words.iter().rev();

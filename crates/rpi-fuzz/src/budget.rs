@@ -1,4 +1,4 @@
-//! What one input may cost.
+//! Budget of time and memory for one input.
 
 use std::alloc::System;
 use std::time::Duration;
@@ -6,33 +6,34 @@ use std::time::Duration;
 use cap::Cap;
 use rustix::time::{ClockId, clock_gettime};
 
-/// The time that the processor may spend on one input. Other processes do not count, as wall-clock time would.
+/// Largest CPU time for one input. CPU time is used because wall-clock time would include other processes.
 pub const CPU: Duration = Duration::from_secs(1);
 
-/// The memory in bytes that one input may take at a time, above what is taken already.
+/// Largest memory for one input, in bytes, above what was allocated before.
 pub const MEMORY: usize = 200 << 20;
 
-/// What counts edges and comparisons for a fuzzer takes three to five times as long. What is slow there is run again
-/// without the counting (`rpi-fuzz-again`), by which it stands or falls.
+/// Factor on the CPU budget. Instrumentation for a fuzzer makes the code three to five times slower. An input that is
+/// too slow with instrumentation is run again without it (`rpi-fuzz-again`), which decides.
 const COUNTING: u32 = if cfg!(feature = "counted") { 5 } else { 1 };
 
-/// Memory beyond which the process ends at once, for the sake of the machine.
+/// Memory in bytes at which the process is aborted at once, to protect the machine.
 const HARD: usize = 2 << 30;
 
-/// Counts what is allocated, and the most that ever was.
+/// Allocator that records the current and the highest number of allocated bytes.
 #[global_allocator]
 static ALLOCATOR: Cap<System> = Cap::new(System, HARD);
 
-/// Does something with an input. Not for several threads at a time: they would share one budget.
+/// Runs `work` within the budget. Not for concurrent use, because threads would share one budget.
 ///
 /// # Panics
-/// If it costs more than an input may.
+/// If the work exceeds the budget.
 pub fn within(work: impl FnOnce()) {
     let (began, taken) = (cpu(), ALLOCATOR.allocated());
     work();
     let spent = cpu().saturating_sub(began);
     assert!(spent <= COUNTING * CPU, "took {spent:?}");
-    // The most so far grew in this run if it is over the budget of this run: earlier runs were within theirs.
+    // `max_allocated` is the maximum since the process began. It exceeds this budget only if this run raised it,
+    // because all earlier runs were within theirs.
     let most = ALLOCATOR.max_allocated().saturating_sub(taken);
     assert!(most <= MEMORY, "took {} MB", most >> 20);
 }

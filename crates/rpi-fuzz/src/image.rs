@@ -1,14 +1,14 @@
-//! Compiled images: loader.
+//! Entry point for compiled images: the loader.
 
 use rpi_core::{Machine, Moment, catalogue};
 use rpi_image::print::print;
 use rpi_image::{Image, rpib, verify};
 use rpi_sim::{Cell, SimBank};
 
-/// Cycles that an image runs which was accepted.
+/// Number of cycles for which an accepted image is run.
 const CYCLES: usize = 8;
 
-/// Reads an image, once as it is and once with a checksum that fits, and runs it if it is accepted.
+/// Loads an image, once unchanged and once with a corrected checksum, and runs it if the verifier accepts it.
 pub(crate) fn load(input: &[u8]) {
     let _ = Image::from_bytes(input);
     let mut sealed = input.to_vec();
@@ -23,7 +23,7 @@ pub(crate) fn load(input: &[u8]) {
     }
 }
 
-/// What the verifier accepts runs: it may fault, but neither panic nor hang.
+/// Runs a verified image. It may fault, but must not panic or hang.
 fn run(image: Image) {
     let Ok(cell) = Cell::parse("cell.toml", "") else {
         return;

@@ -1,19 +1,19 @@
-//! The entries that take what others wrote, as plain functions from bytes, and the budget that each input has.
+//! Entry points for untrusted input, as functions from bytes, and the budget of each input.
 //!
-//! Fuzzers (`fuzz/`, run by `cargo xtask fuzz`) and stable tests (`tests/`) call the same functions: no input may make an
-//! entry panic, hang or take memory without end. What an entry finds wrong is its own business; this crate must not know
-//! what a finding means, only that findings point into the text and can be shown.
+//! Fuzzers (`fuzz/`, run by `cargo xtask fuzz`) and stable tests (`tests/`) call the same functions. No input may make
+//! an entry point panic, hang or allocate without bound. This crate must not depend on the meaning of a diagnostic; it
+//! only checks that diagnostics point into the text and can be rendered.
 //!
 //! | file | idea |
 //! |---|---|
 //! | `texts.rs` | lexer, parser and checker |
 //! | `net.rs` | importer |
 //! | `image.rs` | image loader |
-//! | `last.rs` | the input at hand, for ends that leave no trace |
+//! | `last.rs` | file with the current input, for crashes |
 //! | `budget.rs` | one second and 200 MB |
-//! | `seeds.rs` | inputs to begin with: every program of the project |
-//! | `mutate.rs` | small damage, repeatable |
-//! | `words.rs` | the dictionary |
+//! | `seeds.rs` | initial corpus: every program of the project |
+//! | `mutate.rs` | reproducible mutations |
+//! | `words.rs` | dictionary |
 
 mod budget;
 mod image;
@@ -30,18 +30,18 @@ pub use seeds::{Seed, found};
 pub use texts::LUSTRE;
 pub use words::dictionary;
 
-/// An entry that takes foreign input.
+/// Entry point for untrusted input.
 #[derive(Debug)]
 pub struct Entry {
-    /// The name of its fuzz target.
+    /// Name of its fuzz target.
     pub name: &'static str,
-    /// What is done with an input.
+    /// Function that processes one input.
     pub run: fn(&[u8]),
-    /// Inputs to begin with.
+    /// Function that returns the initial corpus.
     pub seeds: fn() -> Vec<Seed>,
 }
 
-/// All entries, the deepest first.
+/// All entry points, the one that runs the most code first.
 pub const ENTRIES: &[Entry] = &[
     Entry {
         name: "checker",
@@ -70,18 +70,19 @@ pub const ENTRIES: &[Entry] = &[
     },
 ];
 
-/// The entry of this name.
+/// Returns the entry point of this name.
 #[must_use]
 pub fn entry(name: &str) -> Option<&'static Entry> {
     ENTRIES.iter().find(|entry| entry.name == name)
 }
 
-/// Runs an input through the entry of this name, within its budget. `RPI_FUZZ_LAST` names a file that keeps the input.
+/// Runs an input through the entry point of this name, within its budget. `RPI_FUZZ_LAST` names a file to which the
+/// input is saved first.
 ///
 /// # Panics
-/// If there is no such entry, and if the entry does what none may do.
+/// If there is no such entry point, if it panics, or if the budget is exceeded.
 pub fn run(name: &str, input: &[u8]) {
-    let entry = entry(name).unwrap_or_else(|| panic!("no entry is called {name}"));
+    let entry = entry(name).unwrap_or_else(|| panic!("unknown entry point: {name}"));
     last::keep(input);
     within(|| (entry.run)(input));
 }

@@ -1,22 +1,22 @@
-//! Small damage to inputs, the same for the same seed: a fuzzer for tests that must be short and repeatable.
+//! Reproducible mutations of inputs, a fuzzer for tests that must be short and repeatable.
 
 use crate::Seed;
 use crate::words::words;
 
-/// Damages inputs.
+/// Generator of mutated inputs.
 #[derive(Clone, Debug)]
 pub struct Mutator {
     state: u64,
     words: Vec<&'static str>,
 }
 
-/// The longest piece that is moved or removed at a time, in bytes.
+/// Largest length in bytes of a piece that is moved or removed.
 const PIECE: usize = 64;
-/// The most places that are damaged in one input.
+/// Largest number of mutations of one input.
 const PLACES: usize = 4;
 
 impl Mutator {
-    /// All that follows depends on this number alone.
+    /// Creates a generator. Its output depends on `seed` alone.
     #[must_use]
     pub fn new(seed: u64) -> Mutator {
         Mutator {
@@ -25,7 +25,7 @@ impl Mutator {
         }
     }
 
-    /// A number below `end`, which is not 0. SplitMix64 (Steele, Lea, Flood 2014).
+    /// Returns a random number below `end`, which must not be 0. SplitMix64 (Steele, Lea, Flood 2014).
     fn below(&mut self, end: usize) -> usize {
         self.state = self.state.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.state;
@@ -34,7 +34,7 @@ impl Mutator {
         ((z ^ (z >> 31)) % end.max(1) as u64) as usize
     }
 
-    /// One of the seeds with some damage.
+    /// Returns one of the seeds with some mutations.
     pub fn next(&mut self, seeds: &[Seed]) -> Vec<u8> {
         let mut input = seeds[self.below(seeds.len())].bytes.clone();
         for _ in 0..=self.below(PLACES) {

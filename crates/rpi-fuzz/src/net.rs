@@ -1,10 +1,10 @@
-//! Nets in the reference system's text form: importer.
+//! Entry point for nets in the text format of the reference system: the importer.
 
 use rpi_driver::{Input, Kind, compile, import};
 
 use crate::texts::{lowered, shown};
 
-/// Reads a net, checks it, and writes it as a program.
+/// Imports a net, checks it, writes it as a program, and lowers it.
 pub(crate) fn import(input: &[u8]) {
     let input = Input {
         path: "fuzz.rpinet".into(),

@@ -1,4 +1,4 @@
-//! Inputs to begin with, made from every program of the project: stored once, there.
+//! Initial corpus, generated from every program of the project instead of being stored twice.
 
 use std::fs;
 use std::path::Path;
@@ -9,23 +9,23 @@ use rpi_testkit::{files_below, workspace_root};
 
 use crate::texts::LUSTRE;
 
-/// An input to begin with.
+/// Input of the initial corpus.
 #[derive(Clone, Debug)]
 pub struct Seed {
-    /// Where it is from, as a file name.
+    /// Origin of the input, as a file name.
     pub name: String,
-    /// The input.
+    /// Bytes of the input.
     pub bytes: Vec<u8>,
 }
 
-/// Folders with programs.
+/// Folders that contain programs.
 const FOLDERS: &[&str] = &["examples", "stdlib", "tests", "crates/rpi-diag/pages"];
-/// Folder of the inputs that fuzzers found, one folder for each entry.
+/// Folder of the inputs that fuzzers found, with one folder per entry point.
 const FOUND: &str = "tests/fuzz";
-/// Larger images slow a fuzzer down and teach it nothing more.
+/// Largest size in bytes of a seed made from a net. Larger ones slow a fuzzer down without covering more code.
 const LARGEST: usize = 1 << 14;
 
-/// The programs of the project and those on the pages of findings, right and wrong ones.
+/// Returns all programs of the project and those on the explanation pages of diagnostics, right and wrong ones.
 pub(crate) fn texts() -> Vec<Seed> {
     let files = |extension| {
         let below = |folder: &&str| files_below(folder, &[extension]);
@@ -39,17 +39,17 @@ pub(crate) fn texts() -> Vec<Seed> {
     seeds
 }
 
-/// The nets of all programs that compile, in text form.
+/// Returns the nets of all programs that compile, in text format.
 pub(crate) fn nets() -> Vec<Seed> {
     made(|net| emit::rpinet(net).0.into_bytes())
 }
 
-/// The images of all programs that compile.
+/// Returns the images of all programs that compile.
 pub(crate) fn images() -> Vec<Seed> {
     made(|net| lower_to_run(net, 1_000_000).map_or(Vec::new(), |image| image.to_bytes()))
 }
 
-/// Inputs that a fuzzer found, kept for ever.
+/// Returns the inputs that a fuzzer found for an entry point; they are kept permanently.
 #[must_use]
 pub fn found(entry: &str) -> Vec<Seed> {
     let paths = files_below(&format!("{FOUND}/{entry}"), &[""]);
@@ -64,7 +64,7 @@ fn text(path: &Path, before: &str) -> Option<Seed> {
     Some(Seed { name, bytes })
 }
 
-/// The programs between fences on a page.
+/// Returns the fenced programs of a Markdown page.
 fn blocks(page: &Seed) -> Vec<Seed> {
     let text = String::from_utf8_lossy(&page.bytes).into_owned();
     let parts = text.split("\n```").skip(1).step_by(2);

@@ -1,4 +1,4 @@
-//! Texts: lexer, parser, checker.
+//! Entry points for program texts: lexer, parser and checker.
 
 use rpi_diag::{FileId, Finding, Format, SourceMap, Style, apply, render_as, sure_edits};
 use rpi_driver::{Claims, Input, Kind, compile, compile_node, lower_to_look, lower_to_run};
@@ -6,13 +6,13 @@ use rpi_image::Image;
 use rpi_net::Net;
 use rpi_syntax::{Mode, format, parse as parse_text, pieces};
 
-/// A text that begins with this line is Lustre, any other is `.rpi`.
+/// First line that marks a text as Lustre; any other text is `.rpi`.
 pub const LUSTRE: &str = "--.lus\n";
 
-/// A folder that does not exist: what a text uses comes from the standard library alone.
+/// Folder that does not exist, so that imports can only resolve to the standard library.
 const FOLDER: &str = "no-such-folder";
 
-/// The period that images are made for, 1 ms.
+/// Period for which images are compiled, in ns: 1 ms.
 const PERIOD_NS: u64 = 1_000_000;
 
 fn text(input: &[u8]) -> (String, Mode) {
@@ -24,7 +24,7 @@ fn text(input: &[u8]) -> (String, Mode) {
     (text, mode)
 }
 
-/// Cuts a text into pieces: they lie in it one after the other.
+/// Splits a text into tokens. They must be in order and lie within the text.
 pub(crate) fn lex(input: &[u8]) {
     let (text, mode) = text(input);
     let mut end = 0;
@@ -35,7 +35,7 @@ pub(crate) fn lex(input: &[u8]) {
     }
 }
 
-/// Parses and formats a text: what the formatter gives is a program too, and its own form.
+/// Parses and formats a text. Formatting the result again must not change it.
 pub(crate) fn parse(input: &[u8]) {
     let (text, mode) = text(input);
     let mut sources = SourceMap::new();
@@ -48,7 +48,7 @@ pub(crate) fn parse(input: &[u8]) {
     }
 }
 
-/// Takes a text as far as its faults allow: findings, fixes, nets, images.
+/// Compiles a text as far as its errors allow: diagnostics, fixes, nets, images.
 pub(crate) fn check(input: &[u8]) {
     let (text, mode) = text(input);
     let (ending, kind) = match mode {
@@ -74,7 +74,7 @@ pub(crate) fn check(input: &[u8]) {
     }
 }
 
-/// Findings point into their texts and can be shown.
+/// Checks that diagnostics point into their texts and can be rendered.
 pub(crate) fn shown(findings: &[Finding], sources: &SourceMap) {
     for finding in findings {
         for span in finding.labels.iter().map(|label| label.span) {
@@ -96,7 +96,7 @@ fn fixed(findings: &[Finding], sources: &SourceMap) {
     apply(sources.text(own), here);
 }
 
-/// A checked net makes an image that verifies, or says why there is none.
+/// Lowers a checked net. The resulting image must pass the verifier; lowering may return an error.
 pub(crate) fn lowered(net: &Net) {
     for lower in [lower_to_run, lower_to_look] {
         if let Ok(image) = lower(net, PERIOD_NS) {

@@ -1,8 +1,8 @@
-//! The dictionary: the words and signs of the language, from its own table.
+//! Fuzzing dictionary: the keywords and operators of the language, taken from its own table.
 
 use rpi_syntax::{KEYWORDS, signs};
 
-/// Numbers at the edges, which no table lists.
+/// Boundary values of numbers and related fragments, which the table does not contain.
 const NUMBERS: &[&str] = &[
     "0",
     "1",
@@ -22,13 +22,13 @@ const NUMBERS: &[&str] = &[
     "^1000000",
 ];
 
-/// Every word and sign of the language, and numbers at the edges.
+/// Returns all keywords and operators of the language, and the boundary values.
 pub(crate) fn words() -> impl Iterator<Item = &'static str> {
     let words = KEYWORDS.iter().map(|word| word.text);
     words.chain(signs()).chain(NUMBERS.iter().copied())
 }
 
-/// The words in the form that fuzzers read: one in quotes on each line.
+/// Returns the dictionary in the format of libFuzzer: one quoted word per line.
 #[must_use]
 pub fn dictionary() -> String {
     let line = |word: &str| format!("\"{}\"\n", word.replace('\\', "\\\\").replace('"', "\\\""));

@@ -1,5 +1,5 @@
-//! Every entry, within its budget: all seeds, all that fuzzers found, and damaged seeds. One test, because all of them
-//! share the count of memory.
+//! Runs every entry point within its budget on all seeds, all inputs found by fuzzers, and mutated seeds. A single
+//! test, because tests in one process would share the memory counter.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::{Duration, Instant};
@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use rpi_fuzz::{ENTRIES, Entry, Mutator, Seed, found, run};
 use rpi_testkit::{files_below, workspace_root};
 
-/// Damaged seeds for each entry, and the time after which it is enough. A longer run: `RPI_MUTATIONS=100000`.
+/// Number of mutated seeds per entry point, and the time limit for them. `RPI_MUTATIONS=100000` makes a longer run.
 const MUTATIONS: usize = 400;
 const TIME: Duration = Duration::from_secs(2);
 
@@ -15,7 +15,7 @@ const TIME: Duration = Duration::from_secs(2);
 fn no_input_makes_an_entry_panic_hang_or_take_memory_without_end() {
     for entry in ENTRIES {
         let seeds = (entry.seeds)();
-        assert!(seeds.len() > 10, "{}: where are the seeds?", entry.name);
+        assert!(seeds.len() > 10, "{}: too few seeds", entry.name);
         let kept = found(entry.name);
         for seed in seeds.iter().chain(&kept) {
             stands(entry, &seed.name, &seed.bytes);
@@ -43,7 +43,7 @@ fn stands(entry: &Entry, name: &str, input: &[u8]) {
         let path = std::env::temp_dir().join(format!("{}-found", entry.name));
         let kept = std::fs::write(&path, input).is_ok();
         panic!(
-            "{} does not stand {name}; kept ({kept}): {}",
+            "{} fails on {name}; input saved ({kept}): {}",
             entry.name,
             path.display()
         );

@@ -1,17 +1,18 @@
-//! Fenced code blocks of Markdown (CommonMark 0.31, section 4.5), as far as our documents use them.
+//! Parser of fenced code blocks in Markdown (CommonMark 0.31, section 4.5), limited to the forms that the documents
+//! use.
 
-/// One fenced block.
+/// Fenced code block.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Fence {
-    /// The info string after the opening fence: the language and what follows it.
+    /// Info string after the opening fence: the language and optional further words.
     pub info: String,
-    /// The line of the first line of code, from 1.
+    /// Line number of the first line of code, from 1.
     pub line: usize,
-    /// The code, each line ended.
+    /// Code; every line ends with a newline.
     pub code: String,
 }
 
-/// The fenced blocks of a document, in order. A block without closing fence ends with the document.
+/// Returns the fenced blocks of a document, in order. A block without a closing fence ends with the document.
 pub fn fences(markdown: &str) -> Vec<Fence> {
     let mut found = Vec::new();
     let mut open: Option<Fence> = None;

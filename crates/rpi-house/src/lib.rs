@@ -1,9 +1,8 @@
-//! The rules that carry the house, as tests.
+//! Repository rules, checked as tests.
 //!
-//! `ARCHITECTURE.md` states them; `tests/house` holds them. This library is what those tests look
-//! through: the crates as cargo sees them, the files as git sees them, functions and fenced code
-//! blocks by their text; and the files that are generated from the project's tables. Nothing of the
-//! product depends on it.
+//! `ARCHITECTURE.md` states the rules; `tests/house` checks them. This library provides the data for those tests: the
+//! crates from cargo, the files from git, functions and fenced code blocks from source texts, and the files generated
+//! from the tables of the project. The product does not depend on it.
 
 mod fences;
 mod generate;

@@ -1,4 +1,4 @@
-//! The crates of the workspace and what they depend on, as `cargo metadata` tells it.
+//! Crates of the workspace and their dependencies, from `cargo metadata`.
 
 use std::path::PathBuf;
 use std::process::Command;
@@ -6,48 +6,48 @@ use std::process::Command;
 use rpi_testkit::workspace_root;
 use serde_json::Value;
 
-/// A crate of the workspace.
+/// Crate of the workspace.
 #[derive(Clone, Debug)]
 pub struct Package {
-    /// The name that `cargo -p` takes.
+    /// Name, as used by `cargo -p`.
     pub name: String,
-    /// The folder of its manifest.
+    /// Folder of its manifest.
     pub dir: PathBuf,
-    /// Its dependencies, sorted by name.
+    /// Dependencies, sorted by name.
     pub dependencies: Vec<Dependency>,
 }
 
-/// One dependency of a [`Package`].
+/// Dependency of a [`Package`].
 #[derive(Clone, Debug)]
 pub struct Dependency {
-    /// The name of the crate depended on.
+    /// Name of the crate depended on.
     pub name: String,
     /// Whether it is a crate of this workspace.
     pub ours: bool,
-    /// Whether only tests, benches and examples see it.
+    /// Whether it is a development dependency, visible only to tests, benches and examples.
     pub dev: bool,
-    /// Whether its default features are on.
+    /// Whether its default features are enabled.
     pub default_features: bool,
 }
 
 impl Package {
-    /// The crates of this workspace that it is built on, tests apart.
+    /// Returns the workspace crates that it depends on, without development dependencies.
     pub fn edges(&self) -> Vec<&str> {
         let kept = self.dependencies.iter().filter(|d| d.ours && !d.dev);
         kept.map(|d| d.name.as_str()).collect()
     }
 
-    /// The third-party crates that it uses, in tests too.
+    /// Returns its third-party dependencies, including development dependencies.
     pub fn third_party(&self) -> impl Iterator<Item = &Dependency> {
         self.dependencies.iter().filter(|d| !d.ours)
     }
 }
 
-/// All crates of the workspace, sorted by name.
+/// Returns all crates of the workspace, sorted by name.
 ///
 /// # Panics
 ///
-/// If cargo cannot be run: the tests were started by it, so that is a fault of the machine.
+/// If cargo cannot be run. The tests are run by cargo, so this indicates a broken installation.
 pub fn packages() -> Vec<Package> {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let output = Command::new(cargo)

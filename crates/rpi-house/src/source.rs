@@ -1,12 +1,12 @@
-//! The project's files, and functions found in Rust text by the layout that rustfmt gives it.
+//! Files of the project, and the functions in Rust source texts, found by the layout of rustfmt.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use rpi_testkit::{files_below, workspace_root};
 
-/// Every file of the project, relative to its root and sorted: what git tracks or would track.
-/// Without git (an unpacked archive) every file that is no build output.
+/// Returns every file that git tracks or would track, relative to the root and sorted. Without git (an unpacked
+/// archive), returns every file that is not build output.
 pub fn tracked_files() -> Vec<PathBuf> {
     let listed = Command::new("git")
         .args(["ls-files", "--cached", "--others", "--exclude-standard"])
@@ -27,14 +27,14 @@ pub fn tracked_files() -> Vec<PathBuf> {
     files
 }
 
-/// A Rust file of the product.
+/// Rust source file of the product.
 #[derive(Clone, Debug)]
 pub struct SourceFile {
-    /// Where it lies, relative to the root of the workspace.
+    /// Path relative to the root of the workspace.
     pub path: PathBuf,
-    /// The crate that it belongs to.
+    /// Name of its crate.
     pub owner: String,
-    /// Its text.
+    /// Text.
     pub text: String,
 }
 
@@ -48,13 +48,13 @@ impl SourceFile {
         (in_src && !of_tests).then_some(SourceFile { path, owner, text })
     }
 
-    /// The text up to the module of unit tests, which rustfmt and we keep at the end.
+    /// Returns the text before the module of unit tests, which is always at the end.
     pub fn without_tests(&self) -> &str {
         without_tests(&self.text)
     }
 }
 
-/// The product's Rust files: `src` of the crates, files of unit tests apart. Sorted by path.
+/// Returns the Rust files in `src` of the crates, without files of unit tests, sorted by path.
 pub fn source_files() -> Vec<SourceFile> {
     let files = files_below("crates", &[".rs"]);
     files
@@ -72,18 +72,18 @@ fn without_tests(text: &str) -> &str {
         .map_or(text, |at| &text[..at])
 }
 
-/// A function in Rust text.
+/// Function in a Rust source text.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Function<'a> {
-    /// Its name.
+    /// Name.
     pub name: &'a str,
-    /// The line of its `fn`, from 1.
+    /// Line number of its `fn`, from 1.
     pub line: usize,
-    /// Lines from `fn` to the closing brace, both counted.
+    /// Number of lines from `fn` to the closing brace, inclusive.
     pub lines: usize,
 }
 
-/// The functions with bodies in a formatted text, nested ones too, in the order of their lines.
+/// Returns the functions with bodies in a formatted text, including nested ones, in the order of their lines.
 pub fn functions(text: &str) -> Vec<Function<'_>> {
     let lines: Vec<&str> = text.lines().collect();
     let starts = lines
@@ -102,7 +102,7 @@ pub fn functions(text: &str) -> Vec<Function<'_>> {
         .collect()
 }
 
-/// The name, if the line declares a function: qualifiers, then `fn`.
+/// Returns the name if the line declares a function: qualifiers, then `fn`.
 fn function_name(line: &str) -> Option<&str> {
     let mut words = line.trim_start();
     while let Some((word, rest)) = words.split_once(' ') {
@@ -117,8 +117,8 @@ fn function_name(line: &str) -> Option<&str> {
     None
 }
 
-/// The index of the line that closes what the first line opens: the first one that has its
-/// indentation and begins with a brace. A declaration without body has none.
+/// Returns the index of the line that closes the body opened by the first line: the next line with the same indentation
+/// that is a closing brace. Returns `None` for a declaration without a body.
 fn body_end(lines: &[&str]) -> Option<usize> {
     let first = lines.first()?;
     if first.ends_with('}') {

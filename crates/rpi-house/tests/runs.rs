@@ -1,5 +1,5 @@
-//! Rules 4, 5, 6 and 8 on real programs: forms print and verify, a tick and a switch neither allocate nor
-//! free, and the same program gives the same bytes.
+//! Rules 4, 5, 6 and 8 on real programs: images print and verify, a tick and a takeover neither allocate nor free
+//! memory, and compilation is deterministic.
 
 use std::path::PathBuf;
 
@@ -48,7 +48,7 @@ fn images(path: PathBuf, text: &str) -> Vec<Image> {
         .collect()
 }
 
-/// The images of the program above and of every example, with the names of their files.
+/// Returns the images of the program above and of every example, with the file names.
 fn all_images() -> Vec<(PathBuf, Vec<Image>)> {
     let mut all = vec![(PathBuf::from("short.rpi"), PROGRAM.to_owned())];
     for path in files_below("examples", &[".rpi"]) {
@@ -82,7 +82,7 @@ fn the_same_program_gives_the_same_bytes() {
     assert_eq!(bytes(), bytes());
 }
 
-/// A damaged image is refused or still an image; it never makes the reader or the verifier panic.
+/// A damaged image must be rejected by its checksum; it must never make the loader or the verifier panic.
 #[test]
 fn no_damaged_byte_makes_the_verifier_panic() {
     let bytes = images("short.rpi".into(), PROGRAM)[0].to_bytes();
@@ -91,7 +91,7 @@ fn no_damaged_byte_makes_the_verifier_panic() {
         damaged[at] ^= 0xff;
         assert!(
             Image::from_bytes(&damaged).is_err(),
-            "byte {at}: the checksum saw nothing"
+            "byte {at}: damage not detected by the checksum"
         );
     }
 }

@@ -1,94 +1,101 @@
-//! What is known of a primitive besides its code: everything that the type checker, the importer,
-//! hover texts, the generated reference, the lowering and the loader read.
+//! Declarations of primitives: names, ports, parameters, state and role. The type checker, the importer, hover texts,
+//! the generated reference, the lowering and the loader read them; the code of a primitive is in `rpi-prims`.
 
 use crate::ty::{Scalar, Type};
 use crate::value::Value;
 
+// All fields are `'static` or `fn` pointers, so that a declaration is a `const` and the registry is built at compile
+// time.
 /// The declaration of one primitive.
 #[derive(Clone, Copy, Debug)]
 pub struct PrimDesc {
-    /// Registered name, `Core::DoubleAdd`.
+    /// Registered name, for example `Core::DoubleAdd`.
     pub name: &'static str,
-    /// What it does, with units, frames and source.
+    /// Documentation: the operation, units, frames and source.
     pub doc: &'static str,
     /// In-ports in declaration order.
     pub inputs: &'static [InPort],
     /// Out-ports in declaration order.
     pub outputs: &'static [OutPort],
-    /// Parameters that are no fallback of an in-port, in declaration order.
+    /// Parameters in declaration order, without those that replace an unconnected in-port (see [`InPort::need`]).
     pub params: &'static [Param],
-    /// Lengths of array out-ports, shapes of matrices.
+    /// Rule for the lengths of array out-ports and the shapes of matrix out-ports.
     pub shape: Shape,
-    /// Memory kept from cycle to cycle.
+    /// State kept from cycle to cycle.
     pub state: State,
-    /// How the core treats it.
+    /// Handling by the core.
     pub role: Role,
-    /// Bound of its work in one cycle, in elementary operations (a real addition is 1); larger arrays and matrices take
-    /// [more](Type::work_factor).
+    /// Upper bound of the work in one cycle, in elementary operations (the addition of two reals is 1). Larger arrays
+    /// and matrices multiply it by [`Type::work_factor`].
     pub work: u32,
-    /// True if a cycle may fault (integer overflow, division by zero).
+    /// Whether a cycle may raise a fault (integer overflow, division by zero).
     pub may_fault: bool,
 }
 
 /// An in-port.
 #[derive(Clone, Copy, Debug)]
 pub struct InPort {
-    /// Registered name, `inFirst`.
+    /// Registered name, for example `inFirst`.
     pub name: &'static str,
-    /// What it accepts.
+    /// Accepted type.
     pub ty: PortType,
-    /// What happens when it is not connected.
+    /// Behaviour if the port is not connected.
     pub need: Need,
 }
 
 /// An out-port.
 #[derive(Clone, Copy, Debug)]
 pub struct OutPort {
-    /// Registered name, `outValue`.
+    /// Registered name, for example `outValue`.
     pub name: &'static str,
-    /// What it gives.
+    /// Type of the output.
     pub ty: PortType,
-    /// When it is present.
+    /// Rule for the presence of the output.
     pub presence: Presence,
 }
 
-/// The type of a port before sizes are known.
+/// Type of a port before array lengths and matrix shapes are known.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum PortType {
-    /// One value.
+    /// Single value.
     One(Scalar),
-    /// An array; its length is that of the source (in-ports) or follows from [`PrimDesc::shape`] (out-ports).
+    /// Array. The length of an in-port is that of its source; the length of an out-port follows from
+    /// [`PrimDesc::shape`].
     Array(Scalar),
-    /// A matrix of reals; its shape is that of the source or follows from [`PrimDesc::shape`].
+    /// Matrix of reals. The shape of an in-port is that of its source; the shape of an out-port follows from
+    /// [`PrimDesc::shape`].
     Matrix,
 }
 
-/// How the lengths of array and matrix out-ports follow from inputs and parameters. [`PrimDesc::out_type`] applies it.
+/// Rule that derives the lengths of array out-ports and the shapes of matrix out-ports from inputs and parameters.
+/// [`PrimDesc::out_type`] applies it.
 #[derive(Clone, Copy, Debug)]
 pub enum Shape {
-    /// There is no such port, or nothing to derive and to check.
+    /// No array or matrix out-port, and no size to check.
     Fixed,
-    /// As long as the integer parameter of this name says.
+    /// Length equal to the integer parameter with this name.
     Size(&'static str),
-    /// As long as the array in-port of this index.
+    /// Length equal to that of the array in-port with this index.
     Like(usize),
-    /// As long as the array parameter of this name.
+    /// Length equal to that of the array parameter with this name.
     LikeParam(&'static str),
-    /// Worked out, and refused (`None`) where sizes or indices do not fit; also called where only single values come out.
+    /// Type computed by a function; `None` if sizes or indices do not fit. The function is also called for single
+    /// outputs, to check sizes.
     Of(fn(&ShapeArgs<'_>) -> Option<Type>),
 }
 
-/// What a shape may depend on.
+/// Arguments of a shape rule ([`Shape`]).
 #[derive(Clone, Copy, Debug)]
 pub struct ShapeArgs<'a> {
-    /// Types of the in-ports; `None` where nothing is connected and no parameter stands in.
+    /// Types of the in-ports; `None` for a port that is neither connected nor replaced by a parameter.
     pub inputs: &'a [Option<Type>],
-    /// Parameters in the order of [`PrimDesc::params`].
+    /// Values of the parameters, in the order of [`PrimDesc::params`].
     pub params: &'a [Value],
 }
 
 impl ShapeArgs<'_> {
-    /// A parameter that is a size or an index; `None` if it is missing, negative or too large.
+    /// Returns the parameter with index `param` as a size or an index; `None` if it is missing, negative or above
+    /// `u32::MAX`.
     #[must_use]
     pub fn size(&self, param: usize) -> Option<u32> {
         self.params
@@ -97,7 +104,7 @@ impl ShapeArgs<'_> {
             .and_then(|v| u32::try_from(v).ok())
     }
 
-    /// Length of an array input.
+    /// Returns the length of the array in-port with index `input`; `None` if it is not an array.
     #[must_use]
     pub fn len(&self, input: usize) -> Option<u32> {
         match self.inputs.get(input)? {
@@ -106,7 +113,7 @@ impl ShapeArgs<'_> {
         }
     }
 
-    /// Rows and columns of a matrix input.
+    /// Returns the numbers of rows and columns of the matrix in-port with index `input`; `None` if it is not a matrix.
     #[must_use]
     pub fn shape(&self, input: usize) -> Option<(u32, u32)> {
         match self.inputs.get(input)? {
@@ -116,38 +123,39 @@ impl ShapeArgs<'_> {
     }
 }
 
-/// What an in-port does when nothing is connected.
+/// Behaviour of an in-port that is not connected.
 #[derive(Clone, Copy, Debug)]
 pub enum Need {
-    /// The net is refused.
+    /// The net is rejected.
     Required,
-    /// The parameter of this name, or else this default, stands in.
+    /// The parameter with this name replaces the connection; the second field is the default of the parameter.
     Param(&'static str, Default),
-    /// A value made of several real parameters stands in: their names with defaults, and how it is made of them.
+    /// A value computed from several real parameters replaces the connection. The fields are the names and defaults of
+    /// the parameters, and the function that computes the value.
     Params(&'static [(&'static str, f64)], fn(&[f64]) -> Value),
-    /// It counts as absent.
+    /// The port counts as absent.
     Absent,
 }
 
-/// A default that can stand in a constant.
+/// Default of a parameter, in a form that is allowed in a `const`.
 #[derive(Clone, Copy, Debug)]
 pub enum Default {
-    /// The type's neutral value ([`Value::neutral`]).
+    /// Neutral value of the type ([`Value::neutral`]).
     Neutral,
-    /// A Boolean.
+    /// Boolean.
     Bool(bool),
-    /// An integer.
+    /// Integer.
     Int(i64),
-    /// A real.
+    /// Real.
     Real(f64),
-    /// A text.
+    /// Text.
     Str(&'static str),
-    /// There is none: the parameter must be given.
+    /// No default: the parameter must be set.
     Required,
 }
 
 impl Default {
-    /// The value that stands in for a parameter of type `ty`, if there is one.
+    /// Returns the default of a parameter of type `ty`; `None` for [`Default::Required`].
     #[must_use]
     pub fn value(self, ty: Type) -> Option<Value> {
         Some(match self {
@@ -161,66 +169,69 @@ impl Default {
     }
 }
 
-/// A parameter, fixed at load.
+/// Parameter of a primitive: a constant, fixed when the command is loaded.
 #[derive(Clone, Copy, Debug)]
 pub struct Param {
-    /// Registered name, `Duration`.
+    /// Registered name, for example `Duration`.
     pub name: &'static str,
-    /// Its type.
+    /// Type of the parameter.
     pub ty: ParamType,
-    /// Its default.
+    /// Default of the parameter.
     pub default: Default,
 }
 
-/// The type of a parameter.
+/// Type of a parameter.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum ParamType {
-    /// A single value.
+    /// Single value.
     One(Scalar),
-    /// An array literal of any length.
+    /// Array literal of any length.
     Array(Scalar),
-    /// A text.
+    /// Text.
     Str,
 }
 
-/// When an output is present, as far as it follows from the inputs.
+/// Presence of an output, as far as it follows from the presence of the inputs.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Presence {
-    /// Present exactly if every connected input is. The primitive's code never sees absence:
-    /// it has only a `total` form, and one with state is not run in a cycle in which an input is absent.
+    /// Present exactly if every connected input is present. The code of the primitive never handles absence: it has
+    /// only a `total` form, and a primitive with state does not run in a cycle in which an input is absent.
     Strict,
-    /// The code decides; surely present if all connected inputs are (Kleene `and`, conditional).
+    /// The code decides; always present if all connected inputs are present (Kleene `and`, conditional).
     IfAll,
-    /// The code decides; surely present if any input is (`??`).
+    /// The code decides; always present if at least one input is present (`??`).
     IfAny,
     /// The code decides; always present.
     Always,
-    /// The code decides; may be absent although all inputs are present (`pre`, set-null).
+    /// The code decides; may be absent even if all inputs are present (`pre`, set-null).
     Maybe,
 }
 
-/// Memory kept from cycle to cycle, in cells. Zero is the initial content unless `init` says otherwise.
+/// State kept from cycle to cycle, in slots of 64 bits. The initial content is zero unless the primitive has an `init`
+/// function.
 #[derive(Clone, Copy, Debug)]
 pub enum State {
-    /// None.
+    /// No state.
     None,
-    /// A fixed number of cells. Operand: one word, the first cell.
+    /// Fixed number of slots. The operand is one word: the first slot.
     Cells(u32),
-    /// As many cells as the parameters and the period ask for. Operands: two words, first cell and length.
+    /// Number of slots computed from the parameters and the period. The operand is two words: the first slot and the
+    /// length.
     Sized(fn(&SizeArgs<'_>) -> u32),
 }
 
-/// What the size of a state may depend on.
+/// Arguments of the function that computes the size of a state ([`State::Sized`]).
 #[derive(Clone, Copy, Debug)]
 pub struct SizeArgs<'a> {
-    /// Parameters in the order of [`PrimDesc::params`].
+    /// Values of the parameters, in the order of [`PrimDesc::params`].
     pub params: &'a [Value],
-    /// Period in seconds.
+    /// Period, s.
     pub dt: f64,
 }
 
 impl SizeArgs<'_> {
-    /// Number of cycles that a real parameter spans, given in seconds: rounded up, at least 0, saturating.
+    /// Returns the number of cycles that the real parameter with index `param` spans. The parameter is in seconds. The
+    /// result is rounded up and saturates at 0 and `u32::MAX`.
     #[must_use]
     pub fn cycles(&self, param: usize) -> u32 {
         let span = self.params.get(param).and_then(Value::as_real);
@@ -230,116 +241,120 @@ impl SizeArgs<'_> {
     }
 }
 
-/// How the core treats a primitive.
+/// Handling of a primitive by the core.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Role {
-    /// It has code that is run in dependency order.
+    /// Runs its code in dependency order.
     Compute,
-    /// Its output is its parameter `Value`: folded when the net is lowered.
+    /// Outputs the parameter `Value`. It is folded when the net is lowered.
     Constant,
-    /// `pre`: its output is its first input of the previous active cycle, absence included; absent at first. Latched in the commit phase.
+    /// `pre`: outputs the first input of the previous active cycle, absence included. The output is absent in the first
+    /// cycle. The value is latched in the commit phase.
     Delay,
-    /// True exactly if the input is absent; an alias of the presence cell.
+    /// Outputs true exactly if the input is absent. It is an alias of the presence slot.
     IsAbsent,
-    /// True exactly in the first cycle in which its fragment is active (after a restart again).
+    /// Outputs true exactly in the first cycle in which the enclosing fragment is active, and again after each reset.
     First,
-    /// Its outputs are read from a device before evaluation; it is read even inside an inactive fragment.
+    /// Outputs values read from a device before evaluation. The device is read even if the enclosing fragment is
+    /// inactive.
     Sensor(DeviceUse),
-    /// It hands its inputs, one after the other as cells of one value, to a device: checked in dependency order, delivered in the write phase.
-    /// Its out-ports are the device's answers ([`DeviceUse::answers`]).
+    /// Passes its inputs to a device as one set-point, concatenated slot by slot. The set-point is checked in
+    /// dependency order and delivered in the write phase. The out-ports are the responses of the device
+    /// ([`DeviceUse::answers`]).
     Actuator(DeviceUse),
-    /// It calls a function of a device (kinematics) in dependency order, with its inputs one after the other as arguments and its
-    /// out-ports one after the other as result.
-    /// Where the device has no result, an output that is `Maybe` is absent and a `Strict` one is not a number.
+    /// Calls a function of a device (kinematics) in dependency order. The inputs are concatenated to the arguments, the
+    /// out-ports to the result. If the device has no result, an output with [`Presence::Maybe`] is absent, and one with
+    /// [`Presence::Strict`] is not a number.
     DeviceFunction(DeviceUse),
-    /// Its output is set from outside between cycles, by key.
+    /// Outputs a value that is set by key from outside, between cycles.
     Input,
-    /// Its input is published after the cycle, by key.
+    /// Publishes its input by key after the cycle.
     Export,
-    /// A flow that the core provides.
+    /// Outputs a flow that the core provides.
     Flow(CommandFlow),
 }
 
-/// Which device port a primitive stands for; its parameters say which device.
+/// Device port that a primitive uses. Parameters of the primitive select the device.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct DeviceUse {
-    /// Parameter that names the device.
+    /// Name of the parameter that holds the name of the device.
     pub device: &'static str,
-    /// Parameter that holds the index (axis, input number), if there are several equal ports.
+    /// Name of the parameter that holds the index (axis, input number), if the device has several equal ports.
     pub index: Option<&'static str>,
-    /// The device's ports: one per out-port for a sensor, one for an actuator or a function.
+    /// Ports of the device: one per out-port for a sensor, exactly one for an actuator or a function.
     pub ports: DevicePorts,
-    /// What an actuator's out-ports tell, one per out-port; empty for a sensor or a function.
+    /// Meaning of each out-port of an actuator; empty for a sensor or a function.
     pub answers: &'static [Answer],
 }
 
-/// What an out-port of an actuator tells about the set-point handed over in this cycle.
+/// Response of a device to the set-point of this cycle, as an out-port of an actuator.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Answer {
     /// True if another writer has set the port in the same cycle.
     ConcurrentAccess,
     /// True if the device has failed.
     DeviceFailed,
-    /// True if the value is not reachable, out of limits or not a number.
+    /// True if the value is unreachable, outside its limits or not a number.
     IllegalValue,
-    /// The device's error code (int), 0 if it is well.
+    /// Error code of the device (int); 0 if there is no error.
     ErrorCode,
-    /// True once the device has taken the value over: it is well and has accepted it in the previous cycle.
+    /// True if the device has accepted the set-point of the previous cycle and has no error.
     Completed,
 }
 
-/// Names of device ports.
+/// Names of device ports used by a primitive.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum DevicePorts {
-    /// Fixed by the primitive.
+    /// Fixed names.
     Fixed(&'static [&'static str]),
-    /// Given by the text parameter of this name.
+    /// Name held by the text parameter with this name.
     Param(&'static str),
 }
 
-/// The flows that the core provides to a command.
+/// Flow that the core provides to a command.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum CommandFlow {
-    /// True from the first cycle after a cancel request on.
+    /// True from the first cycle after a cancel request.
     Cancel,
-    /// True if a successor is scheduled that covers every actuator which may be moving.
+    /// True if a successor is scheduled that covers every resource that may be moving.
     Takeover,
-    /// Seconds since the command's first cycle (real).
+    /// Time since the first cycle of the command, s (real).
     Time,
-    /// Period in seconds (real).
+    /// Period, s (real).
     Period,
     /// Logical time of the cycle ([`Scalar::Time`]).
     NetTime,
-    /// The clock at evaluation ([`Scalar::Time`]).
+    /// Time of the system clock at evaluation ([`Scalar::Time`]).
     WallTime,
-    /// Identity of the predecessor's result (int), absent without one.
+    /// Identity of the result of the preceding command ([`crate::hash::result_id`], int); absent if there is no
+    /// preceding command.
     Predecessor,
-    /// Ticks since the command's first cycle (int).
+    /// Time since the first cycle of the command, in ticks (int).
     Elapsed,
-    /// Ticks in a period (int).
+    /// Period in ticks (int).
     PeriodTicks,
 }
 
 impl PrimDesc {
-    /// Index of an in-port by registered name.
+    /// Returns the index of the in-port with this registered name.
     #[must_use]
     pub fn input(&self, name: &str) -> Option<usize> {
         self.inputs.iter().position(|p| p.name == name)
     }
 
-    /// Index of an out-port by registered name.
+    /// Returns the index of the out-port with this registered name.
     #[must_use]
     pub fn output(&self, name: &str) -> Option<usize> {
         self.outputs.iter().position(|p| p.name == name)
     }
 
-    /// Index of a parameter by registered name.
+    /// Returns the index of the parameter with this registered name.
     #[must_use]
     pub fn param(&self, name: &str) -> Option<usize> {
         self.params.iter().position(|p| p.name == name)
     }
 
-    /// Index of the in-port for which the parameter `name` stands in, alone or with others.
+    /// Returns the index of the in-port that the parameter `name` replaces if it is not connected.
     #[must_use]
     pub fn fallback(&self, name: &str) -> Option<usize> {
         self.inputs.iter().position(|p| match p.need {
@@ -349,7 +364,8 @@ impl PrimDesc {
         })
     }
 
-    /// Type of an out-port once the types of the in-ports and the parameters are known; `None` if they do not fit.
+    /// Returns the type of the out-port with index `port` for the given in-port types and parameters; `None` if they do
+    /// not fit.
     #[must_use]
     pub fn out_type(&self, port: usize, args: &ShapeArgs<'_>) -> Option<Type> {
         if let Shape::Of(of) = self.shape {

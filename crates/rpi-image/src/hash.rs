@@ -1,20 +1,20 @@
-//! Stable 64-bit hashes: result identities, primitive signatures, the checksum of a file.
+//! Stable 64-bit hashes: result identities, signatures of primitives and the checksum of a file.
 
 use crate::desc::PrimDesc;
 use core::fmt::{self, Write};
 
-/// FNV-1a, 64 bit (Fowler, Noll, Vo; draft-eastlake-fnv). Guards against accidents, not against malice.
+/// State of an FNV-1a hash, 64 bit (Fowler, Noll, Vo; draft-eastlake-fnv). It detects accidental changes, not attacks.
 #[derive(Clone, Copy, Debug)]
 pub struct Fnv(u64);
 
 impl Fnv {
-    /// The hash of nothing.
+    /// Creates the hash of the empty byte string (the offset basis).
     #[must_use]
     pub const fn new() -> Self {
         Fnv(0xcbf2_9ce4_8422_2325)
     }
 
-    /// Takes in some bytes.
+    /// Returns the hash extended by `bytes`.
     #[must_use]
     pub const fn bytes(self, bytes: &[u8]) -> Self {
         let (mut hash, mut k) = (self.0, 0);
@@ -25,7 +25,7 @@ impl Fnv {
         Fnv(hash)
     }
 
-    /// The hash of all that was taken in.
+    /// Returns the hash of all bytes so far.
     #[must_use]
     pub const fn finish(self) -> u64 {
         self.0
@@ -45,14 +45,15 @@ impl Write for Fnv {
     }
 }
 
-/// Identity of a result as the flow `predecessor` carries it: the hash of `Command.result` as an integer.
+/// Returns the identity of a result: the hash of `command.result` as an integer. The flow `predecessor` carries it.
 #[must_use]
 pub fn result_id(command: &str, result: &str) -> i64 {
     let hash = Fnv::new().bytes(command.as_bytes()).bytes(b".");
     hash.bytes(result.as_bytes()).finish().cast_signed()
 }
 
-/// Signature of a primitive: everything of its declaration on which the operand words of an image depend.
+/// Returns the signature of a primitive: the hash of all parts of its declaration on which the operand words of an
+/// image depend.
 #[must_use]
 pub fn signature(desc: &PrimDesc) -> u64 {
     let mut hash = Fnv::new();
@@ -72,6 +73,7 @@ fn write_signature(out: &mut Fnv, desc: &PrimDesc) -> fmt::Result {
     for param in desc.params {
         write!(out, "<{}:{:?}", param.name, param.ty)?;
     }
+    // A size function cannot be hashed. The verifier calls it and compares its result with the operand.
     match desc.state {
         crate::State::None => out.write_str("-"),
         crate::State::Cells(n) => write!(out, "#{n}"),

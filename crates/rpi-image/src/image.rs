@@ -1,136 +1,139 @@
-//! The flat image of a command: memory, steps, and the tables that tie them to the outside.
+//! The flat image of a command: memory layout, steps, and tables of sensors, actuators, inputs and exports.
 //!
-//! Memory is one run of 64-bit cells in four regions (see [`Layout`]). Cell [`FALSE`] is always 0 and cell [`TRUE`]
-//! always 1, so that a presence is always a cell: a flow that can never be absent names [`TRUE`].
-//! [`Image::steps`] are run in order in every cycle, then [`Image::commit`]; a [`Step::Skip`] jumps over what is inactive.
-//! An image comes from a compiler, a file or an enemy: nothing may be relied on before [`crate::verify()`] has passed it.
+//! Memory is one array of 64-bit slots in four regions (see [`Layout`]). Slot [`FALSE`] is always 0 and slot [`TRUE`]
+//! is always 1, so every presence is a slot: the presence of a flow that is never absent is [`TRUE`]. Each cycle runs
+//! [`Image::steps`] in order, then [`Image::commit`]. A [`Step::Skip`] jumps over inactive fragments. An image may come
+//! from an untrusted file: nothing about it may be assumed before [`crate::verify()`] has accepted it.
 
 use crate::desc::{Answer, CommandFlow};
 use crate::ty::Type;
 use alloc::string::String;
 use alloc::vec::Vec;
 
-/// The cell that is always 0: false, and the presence of a flow that is never present.
+/// Slot that always holds 0: the constant false, and the presence of a flow that is never present.
 pub const FALSE: u32 = 0;
-/// The cell that is always 1: true, and the presence of a flow that is always present.
+/// Slot that always holds 1: the constant true, and the presence of a flow that is always present.
 pub const TRUE: u32 = 1;
-/// Largest memory of one command, in cells (64 MiB): loading one, whatever it says of itself, takes less than 200 MB.
+/// Upper bound of the memory of one command, in slots (64 MiB). It limits the memory used by loading any image to 200
+/// MB.
 pub const MAX_CELLS: u32 = 1 << 23;
 
 /// A compiled command.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Image {
-    /// The command's name.
+    /// Name of the command.
     pub name: String,
-    /// Period in nanoseconds; windows and clocks were laid out for it.
+    /// Period, ns. State sizes (windows) and clocks are laid out for it.
     pub period_ns: u64,
-    /// Length of a tick, nanoseconds, which values of the type `time` count; the period is a whole multiple of it.
+    /// Length of a tick, ns: the unit of values of type `time`. The period is a whole multiple of it.
     pub tick_ns: u64,
-    /// Where the regions of the memory end.
+    /// Ends of the memory regions.
     pub layout: Layout,
-    /// Cells that do not start as 0, ascending.
+    /// Initial contents of slots that do not start as 0: (slot, bits), in ascending order of slots.
     pub init: Vec<(u32, u64)>,
-    /// The primitives that [`Step::Run`] names.
+    /// Primitives used by [`Step::Run`].
     pub prims: Vec<PrimUse>,
-    /// Operand words.
+    /// Operand words of all steps.
     pub code: Vec<u32>,
-    /// The evaluation phase.
+    /// Steps of the evaluation phase.
     pub steps: Vec<Step>,
-    /// The commit phase: skips and copies only.
+    /// Steps of the commit phase: only [`Step::Skip`] and [`Step::Copy`].
     pub commit: Vec<Step>,
-    /// Fragments, parents first; the first is the root.
+    /// Fragments, each after its parent. The first one is the root.
     pub fragments: Vec<Fragment>,
-    /// What is read from devices before evaluation.
+    /// Sensor ports, read before evaluation.
     pub sensors: Vec<Sensor>,
-    /// What [`Step::Actuate`] names.
+    /// Actuator ports used by [`Step::Actuate`].
     pub actuators: Vec<Actuator>,
-    /// What [`Step::Call`] names.
+    /// Device functions used by [`Step::Call`].
     pub functions: Vec<Function>,
-    /// What is set from outside between cycles.
+    /// Flows set from outside between cycles.
     pub inputs: Vec<InputPort>,
-    /// What is published after a cycle.
+    /// Flows published after each cycle.
     pub exports: Vec<Export>,
-    /// What the core provides before evaluation.
+    /// Flows provided by the core before evaluation.
     pub flows: Vec<Flow>,
-    /// How the command ends.
+    /// End of the command: named results or ports.
     pub end: End,
-    /// Where nodes come from, for messages.
+    /// Source locations of nodes, for messages.
     pub places: Vec<Place>,
-    /// Which place a fault belongs to: (first output cell of the primitive, index into `places`), ascending.
+    /// Map from slots to source locations, for faults: (first output slot of the primitive, index into `places`), in
+    /// ascending order of slots.
     pub origins: Vec<(u32, u32)>,
-    /// Every port that can be looked at, in net order; empty unless lowered to be observed.
+    /// All observable ports, in the order of the net. Empty unless the image was lowered for observation.
     pub probes: Vec<Probe>,
-    /// For each step the place whose node it computes, or `u32::MAX`; empty unless lowered to be observed.
+    /// Source location of the node of each step, as an index into `places`; `u32::MAX` if there is none. Empty unless
+    /// the image was lowered for observation.
     pub trace: Vec<u32>,
 }
 
-/// Ends of the memory regions, ascending: constants, external cells, state, values.
+/// Ends of the memory regions, in ascending order: constants, external slots, state, values.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Layout {
-    /// Constants are the cells before it. Never written.
+    /// End of the constants. The region starts at slot 0 and is never written.
     pub constants: u32,
-    /// External cells (sensors, inputs, flows of the core) follow up to here. Written between evaluations only.
+    /// End of the external slots (sensors, inputs, flows of the core). They are written only between evaluations.
     pub external: u32,
-    /// State follows up to here: what is kept from cycle to cycle, and all that a reset restores.
+    /// End of the state: the slots kept from cycle to cycle, which a reset restores.
     pub state: u32,
-    /// Values follow up to here: written by exactly one step before they are read.
+    /// End of the values, and number of slots. Each value is written by exactly one step before it is read.
     pub cells: u32,
 }
 
-/// A primitive that the image uses.
+/// Primitive used by an image.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct PrimUse {
     /// Registered name.
     pub name: String,
-    /// [`crate::hash::signature`] of the declaration that the image was made for.
+    /// Signature of the declaration for which the image was compiled ([`crate::hash::signature`]).
     pub signature: u64,
 }
 
-/// Which code of a primitive runs.
+/// Variant of the code of a primitive.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum Form {
-    /// All ports are present for sure; no presence words.
+    /// All ports are always present; the operands hold no presence words.
     Total,
     /// Each port has a presence word.
     Optional,
 }
 
-/// One step: a row of work, or a jump.
+/// Instruction of an image: a call of primitives, a copy, a jump or a device access.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Step {
-    /// Runs a row of equal primitives on `code[at..at + len]`.
+    /// Runs one primitive on each group of operand words in `code[at..at + len]`.
     Run {
         /// Index into [`Image::prims`].
         prim: u16,
-        /// Which code.
+        /// Variant of the code.
         form: Form,
         /// First operand word.
         at: u32,
-        /// Number of operand words: a multiple of the group size.
+        /// Number of operand words: a multiple of the words per group.
         len: u32,
     },
-    /// Copies single cells: `code[at..at + len]` holds pairs (from, to).
+    /// Copies single slots. `code[at..at + len]` holds pairs (source, destination).
     Copy {
-        /// First word.
+        /// First operand word.
         at: u32,
-        /// Number of words.
+        /// Number of operand words.
         len: u32,
     },
-    /// Jumps to step `to` unless the cell is true.
+    /// Jumps to step `to` unless the Boolean slot `unless` is true.
     Skip {
-        /// A Boolean cell.
+        /// Boolean slot.
         unless: u32,
-        /// A later step of the same list.
+        /// Index of a later step in the same list.
         to: u32,
     },
-    /// Gives a fragment and all below it its initial state unless the cell is true.
+    /// Resets the state of a fragment and of all fragments in it, unless the Boolean slot `unless` is true.
     Reset {
-        /// A Boolean cell.
+        /// Boolean slot.
         unless: u32,
         /// Index into [`Image::fragments`].
         fragment: u32,
     },
-    /// Checks and stages a set-point.
+    /// Checks a set-point and stages it for the write phase.
     Actuate {
         /// Index into [`Image::actuators`].
         actuator: u32,
@@ -142,42 +145,42 @@ pub enum Step {
     },
 }
 
-/// A run of cells.
+/// Contiguous range of slots.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Cells {
-    /// First cell.
+    /// First slot.
     pub at: u32,
-    /// Number of cells.
+    /// Number of slots.
     pub len: u32,
 }
 
 impl Cells {
-    /// The cell after the last; saturates.
+    /// Returns the slot after the last one; saturates at `u32::MAX`.
     #[must_use]
     pub const fn end(self) -> u32 {
         self.at.saturating_add(self.len)
     }
 
-    /// As a range of indices.
+    /// Returns the range as indices into the memory.
     #[must_use]
     pub const fn range(self) -> core::ops::Range<usize> {
         self.at as usize..self.end() as usize
     }
 }
 
-/// A flow in memory.
+/// Location of a flow in memory.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Signal {
-    /// First cell.
+    /// First slot of the value.
     pub at: u32,
-    /// Its presence: a Boolean cell.
+    /// Boolean slot of the presence.
     pub present: u32,
-    /// Its type.
+    /// Type of the value.
     pub ty: Type,
 }
 
 impl Signal {
-    /// Its value cells.
+    /// Returns the slots of the value.
     #[must_use]
     pub const fn cells(self) -> Cells {
         Cells {
@@ -187,54 +190,54 @@ impl Signal {
     }
 }
 
-/// A fragment as far as it matters at run time.
+/// Fragment: a part of the net that runs only while it is active.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Fragment {
-    /// Path from the root, `outer/inner`; empty for the root.
+    /// Path from the root, for example `outer/inner`; empty for the root.
     pub path: String,
-    /// The enclosing fragment; none for the root.
+    /// Index of the enclosing fragment; `None` for the root.
     pub parent: Option<u32>,
-    /// True while it is active, provided that its parent is.
+    /// Boolean slot: true while the fragment is active. The fragment runs only if its parent is active, too.
     pub active: u32,
-    /// All state of it and of the fragments below it.
+    /// State of the fragment, including that of all fragments in it.
     pub state: Cells,
 }
 
-/// A port of a device, by name.
+/// Device port, identified by name.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct DevicePort {
-    /// The device, as the cell description names it.
+    /// Name of the device in the cell description.
     pub device: String,
-    /// The port of the device.
+    /// Name of the port.
     pub port: String,
-    /// Which of several equal ones; 0 where there is one.
+    /// Index among several equal ports; 0 if there is only one.
     pub index: u32,
-    /// Type of the value; of the result for functions.
+    /// Type of the value; for a function, type of the result.
     pub ty: Type,
 }
 
-/// A sensor port, read before evaluation into external cells.
+/// Sensor port, read into external slots before evaluation.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Sensor {
-    /// What is read.
+    /// Port that is read.
     pub port: DevicePort,
-    /// Where to. A present cell of [`TRUE`] makes a missing sample a fault.
+    /// Destination of the sample. If its presence is [`TRUE`], a missing sample is a fault.
     pub value: Signal,
 }
 
-/// An actuator port, set by [`Step::Actuate`].
+/// Actuator port, set by [`Step::Actuate`].
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Actuator {
-    /// What is set.
+    /// Port that is set.
     pub port: DevicePort,
-    /// The set-point: these cells one after the other.
+    /// Set-point: the concatenation of these slots.
     pub inputs: Vec<Cells>,
-    /// The device's answers and the value cells that they go to.
+    /// Responses of the device, each with the value slot that receives it.
     pub answers: Vec<(Answer, u32)>,
 }
 
 impl Actuator {
-    /// The cell by which its node is found among the places.
+    /// Returns the slot by which [`Image::place_of`] finds the node: the first response, else the first input, else 0.
     #[must_use]
     pub fn cell(&self) -> u32 {
         let answer = self.answers.first().map(|answer| answer.1);
@@ -243,58 +246,59 @@ impl Actuator {
     }
 }
 
-/// A function of a device, called by [`Step::Call`].
+/// Function of a device, called by [`Step::Call`].
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Function {
-    /// What is called.
+    /// Port that is called.
     pub port: DevicePort,
-    /// The arguments: these cells one after the other.
+    /// Arguments: the concatenation of these slots.
     pub arguments: Vec<Cells>,
-    /// Where the result goes: into these cells one after the other.
+    /// Destination of the result: the concatenation of these slots.
     pub results: Vec<Cells>,
-    /// Where it is told whether there was a result. [`TRUE`] makes a missing one not-a-number.
+    /// Boolean slot that receives the presence of the result. If it is [`TRUE`], a missing result becomes not-a-number.
     pub present: u32,
 }
 
-/// A flow that is set from outside between cycles.
+/// Flow set from outside between cycles.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct InputPort {
-    /// Its key.
+    /// Key of the input.
     pub key: String,
-    /// Where it is put.
+    /// Destination of the value.
     pub value: Signal,
-    /// Where the logical time of the last update goes, if somebody reads it.
+    /// Destination of the logical time of the last update; `None` if it is not used.
     pub updated: Option<Signal>,
 }
 
-/// A flow that is published after a cycle.
+/// Flow published after each cycle.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Export {
-    /// Its key.
+    /// Key of the export.
     pub key: String,
-    /// The flow.
+    /// Published flow.
     pub value: Signal,
 }
 
-/// A flow that the core provides.
+/// Flow provided by the core.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Flow {
-    /// Which.
+    /// Kind of the flow.
     pub flow: CommandFlow,
-    /// Where it is put.
+    /// Destination of the value.
     pub value: Signal,
 }
 
-/// How a command ends.
+/// End of a command.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum End {
-    /// By named results, in text order.
+    /// Named results, in source order.
     Results(Vec<EndResult>),
-    /// By ports: a true `terminate` ends it, `fail` is its error number (0: none). Absent means false and 0.
+    /// Ports: a true `terminate` ends the command, and a `fail` other than 0 is its error number. Absence means false
+    /// and 0.
     Ports {
-        /// Ends the command.
+        /// Boolean that ends the command.
         terminate: Option<Signal>,
-        /// Its error number.
+        /// Error number (int).
         fail: Option<Signal>,
     },
 }
@@ -305,36 +309,36 @@ impl Default for End {
     }
 }
 
-/// A named result.
+/// Named result of a command.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct EndResult {
-    /// Its name.
+    /// Name of the result.
     pub name: String,
-    /// Its kind.
+    /// Kind of the result.
     pub kind: EndKind,
-    /// The Boolean that asks for it; absent means false.
+    /// Boolean that ends the command with this result; absence means false.
     pub condition: Signal,
 }
 
-/// Kinds of results.
+/// Kind of a result.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum EndKind {
-    /// Everything at rest.
+    /// All resources are at rest.
     Finish,
-    /// Maybe in motion, only into a successor.
+    /// Resources may be in motion; a successor must take over.
     Yield,
-    /// With an error.
+    /// The command ends with an error.
     Fail,
 }
 
-/// Where a node comes from.
+/// Source location of a node.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct Place {
-    /// Path through the fragments to the node, `outer/inner/node`.
+    /// Path through the fragments to the node, for example `outer/inner/node`.
     pub path: String,
-    /// The flow's name as its author knows it, if it has one.
+    /// Name of the flow in the source, if it has one.
     pub flow: Option<String>,
-    /// Where it stands in a source text, if there is one.
+    /// Location in the source text, if there is one.
     pub text: Option<TextRange>,
 }
 
@@ -344,39 +348,39 @@ impl Place {
     }
 }
 
-/// A range of bytes in a source text; the compiler that made the image knows the files.
+/// Range of bytes in a source file. The compiler that made the image maps file numbers to files.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct TextRange {
     /// Number of the file.
     pub file: u32,
-    /// First byte.
+    /// Offset of the first byte.
     pub start: u32,
-    /// Byte after the last.
+    /// Offset after the last byte.
     pub end: u32,
 }
 
-/// A port that can be looked at.
+/// Observable port.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Probe {
-    /// Index into [`Image::places`]: the node.
+    /// Node: an index into [`Image::places`].
     pub place: u32,
     /// Registered name of the port.
     pub port: String,
-    /// Where it is; its presence counts only while its fragment and all that enclose it are active.
+    /// Location of the value. The presence is valid only while the fragment and all enclosing fragments are active.
     pub value: Signal,
-    /// Index into [`Image::fragments`].
+    /// Enclosing fragment: an index into [`Image::fragments`].
     pub fragment: u32,
 }
 
 impl Image {
-    /// The place to which a fault at `cell` belongs.
+    /// Returns the source location for a fault at `cell`, the first output slot of a primitive.
     #[must_use]
     pub fn place_of(&self, cell: u32) -> Option<&Place> {
         let found = self.origins.binary_search_by_key(&cell, |o| o.0).ok()?;
         self.places.get(self.origins.get(found)?.1 as usize)
     }
 
-    /// The place of the first node that sets this device.
+    /// Returns the source location of the first node that sets a port of `device`.
     #[must_use]
     pub fn place_of_device(&self, device: &str) -> Option<&Place> {
         let mut actuators = self.actuators.iter();
@@ -384,7 +388,7 @@ impl Image {
         self.place_of(actuator.cell())
     }
 
-    /// About how many bytes of memory it takes: its lists and the texts in them.
+    /// Returns the approximate memory of the image, in bytes, including its lists and texts.
     #[must_use]
     pub fn footprint(&self) -> usize {
         let ports = self.sensors.iter().map(|s| &s.port);
@@ -419,7 +423,7 @@ impl Image {
         size_of_val(self) + texts + lists + parts.chain(arguments).sum::<usize>()
     }
 
-    /// `path.port` of a probe.
+    /// Returns the name of a probe, `path.port`.
     #[must_use]
     pub fn probe_name(&self, probe: &Probe) -> String {
         let path = self

@@ -1,7 +1,7 @@
 //! Plain data of the flat image: value types, primitive descriptors, the image format and its verifier.
 //!
-//! This crate is the wall between the compiler and the real-time side. Both sides know it; it knows neither.
-//! It must not know a file, a clock, a device driver or a piece of source text.
+//! This crate is the interface between the compiler and the real-time core. Both depend on it; it depends on neither.
+//! It has no knowledge of files, clocks, device drivers or source text.
 #![no_std]
 
 extern crate alloc;

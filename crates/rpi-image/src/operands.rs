@@ -1,42 +1,42 @@
-//! The order of operand words of one primitive in a row: told here once for the compiler, the verifier and the printer.
+//! Order of the operand words of one primitive. The compiler, the verifier and the printer share this definition.
 
 use crate::desc::{ParamType, PortType, PrimDesc, State};
 use crate::image::Form;
 use alloc::vec::Vec;
 
-/// What a group of words stands for.
+/// Role of an operand in a group of words.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Part {
-    /// In-port of this index.
+    /// In-port with this index.
     Input(usize),
-    /// Parameter of this index.
+    /// Parameter with this index.
     Param(usize),
-    /// Out-port of this index.
+    /// Out-port with this index.
     Output(usize),
-    /// The state.
+    /// State of the primitive.
     State,
 }
 
-/// Some words of a group.
+/// Words of one operand: the first slot, then sizes, then the presence.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Field {
-    /// What they stand for.
+    /// Role of the operand.
     pub part: Part,
-    /// Words that tell length or shape, right after the first cell.
+    /// Number of words for the length or shape, after the first slot.
     pub sizes: usize,
-    /// True if a presence cell comes last.
+    /// Whether the last word is a presence slot.
     pub presence: bool,
 }
 
 impl Field {
-    /// Number of words.
+    /// Returns the number of words.
     #[must_use]
     pub const fn words(self) -> usize {
         1 + self.sizes + self.presence as usize
     }
 }
 
-/// The fields of one group: inputs, parameters, outputs, state.
+/// Returns the operands of one group in order: inputs, parameters, outputs, state.
 #[must_use]
 pub fn fields(desc: &PrimDesc, form: Form) -> Vec<Field> {
     let presence = form == Form::Optional;
@@ -65,7 +65,7 @@ pub fn fields(desc: &PrimDesc, form: Form) -> Vec<Field> {
     inputs.chain(params).chain(outputs).chain(state).collect()
 }
 
-/// Number of words of one group.
+/// Returns the number of words of one group.
 #[must_use]
 pub fn group(fields: &[Field]) -> usize {
     fields.iter().map(|f| f.words()).sum()
@@ -79,7 +79,7 @@ const fn port_sizes(ty: PortType) -> usize {
     }
 }
 
-/// Text parameters take no word.
+/// Returns the number of size words of a parameter; `None` for a text, which has no operand.
 const fn param_sizes(ty: ParamType) -> Option<usize> {
     match ty {
         ParamType::One(_) => Some(0),

@@ -1,4 +1,4 @@
-//! The readable form of an image (`--emit image`): tables first, then one line per step with names.
+//! Text form of an image (`--emit image`): tables, then one line per step with symbolic names.
 
 use crate::desc::{PortType, PrimDesc};
 use crate::image::{Cells, End, Form, Image, Signal, Step, TRUE};
@@ -11,7 +11,7 @@ use alloc::vec::Vec;
 use alloc::{format, vec};
 use core::fmt::Write;
 
-/// Prints an image. Operand words of primitives that the catalogue does not know are printed as numbers.
+/// Returns the text form of an image. Operand words of primitives that are not in the catalogue are printed as numbers.
 #[must_use]
 pub fn print(image: &Image, catalogue: Catalogue<'_>) -> String {
     let printer = Printer {
@@ -31,7 +31,7 @@ struct Printer<'a> {
     names: BTreeMap<u32, String>,
 }
 
-/// Names of cells, as far as tables tell them.
+/// Returns the names of slots, from probes, sensors, inputs and flows.
 fn names(image: &Image) -> BTreeMap<u32, String> {
     let mut names = BTreeMap::new();
     let probes = image.probes.iter();
@@ -242,7 +242,7 @@ impl Printer<'_> {
         }
     }
 
-    /// A constant as its value, another cell by name.
+    /// Returns the value of a scalar constant, or the name of any other slot.
     fn value(&self, cell: u32, scalar: Option<Scalar>) -> String {
         let bits = || {
             let found = self.image.init.binary_search_by_key(&cell, |c| c.0);

@@ -1,7 +1,7 @@
-//! The file form of an image, `.rpib`: magic, format version, checksum, content.
+//! Binary file format of an image, `.rpib`: magic number, format version, checksum, content.
 //!
-//! Own code instead of a serialisation crate: the format is one table (below), this crate keeps no dependency, and a
-//! length read from a file can never make the reader allocate more than the file's own size allows.
+//! The code does not use a serialisation crate: the format is the one table below, the crate needs no dependency for
+//! it, and a length read from a file cannot make the reader allocate more than the size of the file allows.
 
 use crate::desc::{Answer, CommandFlow};
 use crate::hash::Fnv;
@@ -15,12 +15,13 @@ use alloc::string::String;
 use alloc::vec::Vec;
 
 const MAGIC: [u8; 4] = *b"RPIB";
-/// Version of the format; any change of a table below is a new one.
+/// Version of the format. Any change of a table below needs a new version.
 pub const VERSION: u16 = 2;
-/// Magic, version and checksum.
+/// Length of magic number, version and checksum, in bytes.
 const HEADER: usize = MAGIC.len() + size_of::<u16>() + size_of::<u64>();
 
-/// Writes the checksum that fits the content into the header, if there is a header: for who makes files by other means.
+/// Updates the checksum in the header of `file`. Does nothing if the file is shorter than a header. For tests and tools
+/// that modify files.
 pub fn seal(file: &mut [u8]) {
     if let Some((header, content)) = file.split_at_mut_checked(HEADER) {
         let checksum = Fnv::new().bytes(content).finish();
@@ -29,7 +30,7 @@ pub fn seal(file: &mut [u8]) {
 }
 
 impl Image {
-    /// The bytes of a `.rpib` file.
+    /// Returns the content of a `.rpib` file.
     #[must_use]
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut content = Vec::new();
@@ -42,14 +43,15 @@ impl Image {
         bytes
     }
 
-    /// Reads a `.rpib` file. The image is not verified yet.
+    /// Reads a `.rpib` file. The image is not verified.
     ///
     /// # Errors
-    /// Says what is wrong with the bytes and where.
+    /// Returns the reason and the position in the file.
     pub fn from_bytes(bytes: &[u8]) -> Result<Image, ReadError> {
         let rest = bytes.strip_prefix(&MAGIC).ok_or(ReadError::NotAnImage)?;
         let mut header = Reader::new(rest);
         let version = u16::get(&mut header)?;
+        // The version comes before the checksum, so that a file of another version is not reported as damaged.
         if version != VERSION {
             return Err(ReadError::Version(version));
         }

@@ -1,29 +1,29 @@
-//! The types of values that run through a net.
+//! Types of the values in a net.
 
 use core::fmt;
 
-/// A value type of fixed size: what one link of a net carries.
+/// Element type of fixed size.
 ///
-/// Memory is made of 64-bit cells; [`Scalar::cells`] tells how many a value takes.
+/// Memory consists of 64-bit slots. [`Scalar::cells`] is the number of slots per value.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum Scalar {
-    /// Truth value, one cell, 0 or 1.
+    /// Truth value, one slot: 0 or 1.
     Bool,
     /// 64-bit signed integer.
     Int,
     /// IEEE 754 double.
     Real,
-    /// Point in time, whole nanoseconds since the Unix epoch (64-bit signed).
+    /// Point in time, ns since the Unix epoch (64-bit signed).
     Time,
-    /// Three reals x, y, z; metres where it is a position.
+    /// Three reals x, y, z; metres for a position.
     Vector,
-    /// Unit quaternion, cells x, y, z, w.
+    /// Unit quaternion, slots x, y, z, w.
     Rotation,
-    /// Position (3 cells, metres), then rotation (4 cells).
+    /// Position (3 slots, m), then rotation (4 slots).
     Pose,
-    /// Linear velocity (3 cells, m/s), then angular velocity (3 cells, rad/s).
+    /// Linear velocity (3 slots, m/s), then angular velocity (3 slots, rad/s).
     Twist,
-    /// Force (3 cells, N), then torque (3 cells, N m).
+    /// Force (3 slots, N), then torque (3 slots, N m).
     Wrench,
 }
 
@@ -41,7 +41,7 @@ impl Scalar {
         Scalar::Wrench,
     ];
 
-    /// Number of 64-bit cells of one value.
+    /// Returns the number of slots of one value.
     #[must_use]
     pub const fn cells(self) -> u32 {
         match self {
@@ -53,7 +53,7 @@ impl Scalar {
         }
     }
 
-    /// The name in `.rpi` programs and messages.
+    /// Returns the name in `.rpi` programs and in messages.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -76,19 +76,19 @@ impl fmt::Display for Scalar {
     }
 }
 
-/// The type of a flow: one value, or an array of `len` values side by side.
+/// Type of a flow.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum Type {
-    /// A single value.
+    /// Single value.
     One(Scalar),
-    /// `len` values of one scalar type.
+    /// Array: `len` values of one scalar type, contiguous in memory.
     Array(Scalar, u32),
-    /// A dense matrix of reals, row by row.
+    /// Dense matrix of reals with (rows, columns), stored row by row.
     Matrix(u32, u32),
 }
 
 impl Type {
-    /// Number of 64-bit cells of one value; saturates for absurd sizes.
+    /// Returns the number of slots of one value; saturates at `u32::MAX`.
     #[must_use]
     pub const fn cells(self) -> u32 {
         match self {
@@ -98,9 +98,9 @@ impl Type {
         }
     }
 
-    /// How often the [work](crate::PrimDesc::work) that a primitive declares it does for a value of this size: it is declared for
-    /// arrays of up to eight elements, through which it goes once, and for matrices of up to six rows and columns, which it
-    /// may multiply or eliminate.
+    /// Returns the factor by which a value of this size multiplies the declared [work](crate::PrimDesc::work) of a
+    /// primitive. The work is declared for arrays of up to 8 elements, assuming one pass, and for matrices of up to 6
+    /// by 6, assuming a multiplication or an elimination (cubic).
     #[must_use]
     pub const fn work_factor(self) -> u64 {
         let factor = match self {

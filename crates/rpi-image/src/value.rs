@@ -1,52 +1,53 @@
-//! Constant values: parameters, defaults, initial contents.
+//! Constant values: parameters, defaults and initial contents.
 
 use crate::ty::{Scalar, Type};
 use alloc::string::String;
 use smallvec::{SmallVec, smallvec};
 
-/// The cells of a value; one or two, as most values have, lie in place.
+/// Slots of a value. One or two slots are stored inline, without allocation.
 pub type Bits = SmallVec<[u64; 2]>;
 
-/// A constant: the cells of a flow's value, or a text (parameters only).
+/// Constant: the slots of a flow value, or a text (parameters only).
 #[derive(Clone, PartialEq, Debug)]
 pub enum Value {
-    /// A value of a flow type; `cells.len()` equals `ty.cells()`.
+    /// Value of a flow type. `cells.len()` equals `ty.cells()`.
     Cells {
-        /// Its type.
+        /// Type of the value.
         ty: Type,
-        /// Its bits, laid out as [`Scalar`] says.
+        /// Content of the slots, in the layout of [`Scalar`].
         cells: Bits,
     },
-    /// A text: device names, keys. Never flows through a link.
+    /// Text: a device name or a key. It is never the value of a flow.
     Str(String),
 }
 
 impl Value {
-    /// A Boolean.
+    /// Creates a Boolean.
     #[must_use]
     pub fn bool(v: bool) -> Self {
         Self::one(Scalar::Bool, smallvec![u64::from(v)])
     }
 
-    /// An integer.
+    /// Creates an integer.
     #[must_use]
     pub fn int(v: i64) -> Self {
         Self::one(Scalar::Int, smallvec![v.cast_unsigned()])
     }
 
-    /// A real.
+    /// Creates a real.
     #[must_use]
     pub fn real(v: f64) -> Self {
         Self::one(Scalar::Real, smallvec![v.to_bits()])
     }
 
-    /// A point in time, nanoseconds since the Unix epoch.
+    /// Creates a point in time from ns since the Unix epoch.
     #[must_use]
     pub fn time(ns: i64) -> Self {
         Self::one(Scalar::Time, smallvec![ns.cast_unsigned()])
     }
 
-    /// A spatial value from its reals, laid out as [`Scalar`] says; `None` if their number does not fit.
+    /// Creates a real or spatial value from its components in the layout of [`Scalar`]; `None` if their number does not
+    /// fit.
     #[must_use]
     pub fn reals(scalar: Scalar, reals: &[f64]) -> Option<Self> {
         let fits = reals.len() == scalar.cells() as usize
@@ -54,7 +55,7 @@ impl Value {
         fits.then(|| Self::one(scalar, reals.iter().map(|r| r.to_bits()).collect()))
     }
 
-    /// The neutral value of a type: false, 0, zero vector, identity rotation and pose.
+    /// Returns the neutral value of a type: false, 0, the zero vector, the identity rotation or the identity pose.
     #[must_use]
     pub fn neutral(ty: Type) -> Self {
         let mut cells: Bits = smallvec![0; ty.cells() as usize];
@@ -77,7 +78,7 @@ impl Value {
         }
     }
 
-    /// The type, unless it is a text.
+    /// Returns the type; `None` for a text.
     #[must_use]
     pub fn ty(&self) -> Option<Type> {
         match self {
@@ -86,7 +87,7 @@ impl Value {
         }
     }
 
-    /// The bits; empty for a text.
+    /// Returns the content of the slots; empty for a text.
     #[must_use]
     pub fn cells(&self) -> &[u64] {
         match self {
@@ -95,25 +96,25 @@ impl Value {
         }
     }
 
-    /// The Boolean, if it is one.
+    /// Returns the Boolean; `None` for another type.
     #[must_use]
     pub fn as_bool(&self) -> Option<bool> {
         self.single(Scalar::Bool).map(|c| c != 0)
     }
 
-    /// The integer, if it is one.
+    /// Returns the integer; `None` for another type.
     #[must_use]
     pub fn as_int(&self) -> Option<i64> {
         self.single(Scalar::Int).map(u64::cast_signed)
     }
 
-    /// The real, if it is one.
+    /// Returns the real; `None` for another type.
     #[must_use]
     pub fn as_real(&self) -> Option<f64> {
         self.single(Scalar::Real).map(f64::from_bits)
     }
 
-    /// The text, if it is one.
+    /// Returns the text; `None` for another value.
     #[must_use]
     pub fn as_str(&self) -> Option<&str> {
         match self {

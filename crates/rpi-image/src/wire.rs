@@ -1,22 +1,23 @@
-//! How plain data is laid out in a file: little endian, lengths before contents, nothing trusted when read.
+//! Binary layout of plain data in a file: little endian, lengths before contents. The reader checks all input.
 
 use alloc::string::String;
 use alloc::vec::Vec;
 
-/// Why a file could not be read.
+/// Error when reading an image file. Positions are byte offsets.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum ReadError {
-    /// It does not begin as an image does.
+    /// The file does not start with the magic number of an image.
     NotAnImage,
-    /// It was written by another version of the format.
+    /// The file has this other format version.
     Version(u16),
-    /// Its content does not have the checksum that it should have.
+    /// The checksum does not match the content.
     Checksum,
-    /// It ends too early, or a length in it is too large; the byte at which that was seen.
+    /// The file ends too early, or a length exceeds the remaining bytes. The field is the position of the missing data
+    /// or of the length.
     Truncated(usize),
-    /// A value that the format does not know; the byte at which it stands.
+    /// Invalid value at this position.
     Unknown(usize),
-    /// There is more after the end; the byte at which it begins.
+    /// Unexpected bytes after the end of the image, starting at this position.
     Trailing(usize),
 }
 
@@ -24,18 +25,21 @@ impl core::fmt::Display for ReadError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
             ReadError::NotAnImage => f.write_str("this is not a compiled image (.rpib)"),
-            ReadError::Version(v) => write!(f, "format version {v} is not the one of this program"),
-            ReadError::Checksum => f.write_str("the content is damaged: its checksum is wrong"),
-            ReadError::Truncated(at) => write!(f, "it ends too early (seen at byte {at})"),
-            ReadError::Unknown(at) => write!(f, "unknown content at byte {at}"),
-            ReadError::Trailing(at) => write!(f, "unexpected content after the end, at byte {at}"),
+            ReadError::Version(v) => write!(f, "unsupported format version {v}"),
+            ReadError::Checksum => f.write_str("the content is damaged: checksum mismatch"),
+            ReadError::Truncated(at) => write!(f, "unexpected end of the file at byte {at}"),
+            ReadError::Unknown(at) => write!(f, "invalid content at byte {at}"),
+            ReadError::Trailing(at) => write!(
+                f,
+                "unexpected content after the end of the image, at byte {at}"
+            ),
         }
     }
 }
 
 impl core::error::Error for ReadError {}
 
-/// Bytes that are being read.
+/// Cursor over the bytes of a file.
 pub(crate) struct Reader<'a> {
     bytes: &'a [u8],
     at: usize,
@@ -68,7 +72,8 @@ impl<'a> Reader<'a> {
             .map_err(|_| ReadError::Truncated(at))
     }
 
-    /// A number of things that take at least `least` bytes each: refused if they cannot all be there.
+    /// Reads the number of items of at least `least` bytes each. Returns an error if the remaining bytes cannot hold
+    /// them.
     fn count(&mut self, least: usize) -> Result<usize, ReadError> {
         let at = self.at;
         let count = u32::get(self)? as usize;
@@ -88,9 +93,9 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// Something with a layout in a file.
+/// Type with a binary layout.
 pub(crate) trait Wire: Sized {
-    /// The least number of bytes that it takes; bounds what a length can make a reader allocate.
+    /// Minimum number of bytes of a value. It bounds the allocation that a length in a file can cause.
     const LEAST: usize;
     fn put(&self, out: &mut Vec<u8>);
     fn get(from: &mut Reader<'_>) -> Result<Self, ReadError>;
@@ -172,12 +177,12 @@ impl<A: Wire, B: Wire> Wire for (A, B) {
     }
 }
 
-/// Nothing in memory has 2^32 parts: cells are bounded, and names come from a compiler.
+/// Writes a length as `u32`. Saturation does not occur: the number of slots is bounded, and names come from a compiler.
 fn put_len(len: usize, out: &mut Vec<u8>) {
     u32::try_from(len).unwrap_or(u32::MAX).put(out);
 }
 
-/// A struct is its fields in the order given.
+/// Implements [`Wire`] for a struct: its fields in the given order.
 macro_rules! wire_struct {
     ($t:ident { $($field:ident : $ty:ty),* $(,)? }) => {
         impl $crate::wire::Wire for $t {
@@ -192,7 +197,7 @@ macro_rules! wire_struct {
     };
 }
 
-/// An enum is the number of its variant (one byte), then the fields in the order given.
+/// Implements [`Wire`] for an enum: the number of the variant (one byte), then its fields in the given order.
 macro_rules! wire_enum {
     ($t:ident { $($tag:literal = $variant:ident $( { $($field:ident),* } )? $( ( $($item:ident),* ) )? ),* $(,)? }) => {
         impl $crate::wire::Wire for $t {

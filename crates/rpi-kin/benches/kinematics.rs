@@ -1,4 +1,4 @@
-//! Forward and inverse kinematics of the seven-axis arms, one call each.
+//! Benchmark of forward and inverse kinematics of seven-axis arms, one call each.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use rpi_kin::models::lbr::LWR_4_PLUS;
@@ -7,7 +7,7 @@ use std::hint::black_box;
 
 const HINT: [f64; 7] = [0.3, 0.6, -0.2, 1.3, 0.4, -0.9, 0.1];
 
-/// Joints all over the ranges, so that no branch is predicted by heart.
+/// Returns joint values spread over the ranges, so that branch prediction does not help.
 fn spread() -> Vec<[f64; 7]> {
     let part =
         |step: u32, axis: u32| f64::from((step * (37 + 11 * axis) + 13 * axis) % 257) / 256.0;

@@ -1,12 +1,12 @@
-//! Angles on the circle and on the line: wrapping, whole turns, the turn that suits a range.
+//! Angles on the circle and on the line: wrapping and choice among angles that differ by full turns.
 
 use crate::Range;
 use core::f64::consts::{PI, TAU};
 
-/// Half turn and full turn in radians, for callers that should not import `core::f64::consts` themselves.
+/// Half a turn, rad. For callers that should not import `core::f64::consts` themselves.
 pub const HALF_TURN: f64 = PI;
 
-/// `angle` moved by whole turns into [-pi, pi].
+/// Returns `angle` moved by full turns into [-π, π].
 #[must_use]
 pub fn wrap(angle: f64) -> f64 {
     if (-PI..=PI).contains(&angle) {
@@ -15,20 +15,21 @@ pub fn wrap(angle: f64) -> f64 {
     angle - TAU * libm::rint(angle / TAU)
 }
 
-/// `angle` moved by whole turns to the value nearest to `near`.
+/// Returns `angle` moved by full turns to the value nearest to `near`.
 #[must_use]
 pub fn nearest_turn(angle: f64, near: f64) -> f64 {
     angle + TAU * libm::rint((near - angle) / TAU)
 }
 
-/// `angle` moved by whole turns into `range`, as near to `near` as the range allows; `None` if no turn lies inside.
+/// Returns `angle` moved by full turns into `range`, as near to `near` as possible; `None` if no such angle lies in
+/// `range`.
 #[must_use]
 pub fn turn_within(angle: f64, near: f64, range: Range) -> Option<f64> {
     let nearest = nearest_turn(angle, near);
     if range.contains(nearest) {
         return Some(nearest);
     }
-    // Beyond an end of the range the best turn is the one nearest to that end.
+    // Beyond a limit of the range, the best angle is the one nearest to that limit.
     let target = if nearest > range.upper {
         range.upper
     } else {
@@ -41,30 +42,30 @@ pub fn turn_within(angle: f64, near: f64, range: Range) -> Option<f64> {
         .find(|turn| range.contains(*turn))
 }
 
-/// Sine and cosine of an angle, kept together because every user needs both.
+/// Sine and cosine of an angle. They are stored together because every user needs both.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SinCos {
-    /// The sine.
+    /// Sine of the angle.
     pub sin: f64,
-    /// The cosine.
+    /// Cosine of the angle.
     pub cos: f64,
 }
 
 impl SinCos {
-    /// Of an angle in radians.
+    /// Computes sine and cosine of an angle in rad.
     #[must_use]
     pub fn of(angle: f64) -> Self {
         let (sin, cos) = libm::sincos(angle);
         Self { sin, cos }
     }
 
-    /// The angle, in [-pi, pi].
+    /// Returns the angle, in [-π, π].
     #[must_use]
     pub fn angle(self) -> f64 {
         libm::atan2(self.sin, self.cos)
     }
 
-    /// Of this angle minus another.
+    /// Returns sine and cosine of the difference `self` minus `other`.
     #[must_use]
     pub fn minus(self, other: Self) -> Self {
         Self {

@@ -1,13 +1,14 @@
-//! Three axes through one point: z, then y, then z again, as in a shoulder or a wrist.
+//! Spherical joint: three axes through one point (z, y, z), as in a shoulder or a wrist.
 
 use crate::angle::SinCos;
 use nalgebra::Vector3;
 
-/// Below this sine of its bend a joint counts as straight: only the sum of the turns on both sides of it is defined. Small
-/// enough to move the flange by no more than 1e-10 m and rad, large enough for the turns to stand out from rounding.
+/// If the sine of its bend is below this value, a joint counts as straight: only the sum of the rotations before and
+/// after it is defined. The value is small enough to move the flange by at most 1e-10 m and rad, and large enough to
+/// distinguish the angles from rounding errors.
 pub(crate) const STRAIGHT: f64 = 1e-10;
 
-/// A turn about z and a bend about the new y, not negative, with their sines and cosines.
+/// Rotation about z (turn), then about the new y (bend, not negative), with sines and cosines.
 pub(crate) struct Ball {
     pub(crate) turn: f64,
     pub(crate) turned: SinCos,
@@ -16,7 +17,7 @@ pub(crate) struct Ball {
 }
 
 impl Ball {
-    /// Of known angles.
+    /// Creates the rotation from its angles, in rad.
     pub(crate) fn of(turn: f64, bend: f64) -> Self {
         Self {
             turn,
@@ -26,7 +27,8 @@ impl Ball {
         }
     }
 
-    /// What points z along the unit vector `to`; the turn is `open` if z points there already.
+    /// Returns the rotation that maps z to the unit vector `to`. If `to` is z (within rounding), the turn is arbitrary
+    /// and set to `open`.
     pub(crate) fn towards(to: &Vector3<f64>, open: f64) -> Self {
         let sin = libm::sqrt(to.x * to.x + to.y * to.y);
         let (turn, turned) = if sin > STRAIGHT {
@@ -48,7 +50,7 @@ impl Ball {
         }
     }
 
-    /// The vector `v` as seen after turn and bend.
+    /// Returns the vector `v` in the rotated frame.
     pub(crate) fn undo(&self, v: &Vector3<f64>) -> Vector3<f64> {
         let level = self.turned.cos * v.x + self.turned.sin * v.y;
         Vector3::new(
@@ -59,8 +61,8 @@ impl Ball {
     }
 }
 
-/// The angles of the rotation `Rz(turn) Ry(bend) Rz(roll)` with these columns x and z; the bend is not negative. The other
-/// solution is half a turn more, minus the bend, half a turn more.
+/// Returns the angles of the rotation `Rz(turn) Ry(bend) Rz(roll)` with the columns `x` and `z`; the bend is not
+/// negative. The other solution is (turn + π, -bend, roll + π). An arbitrary turn is set to `open`.
 pub(crate) fn angles(x: &Vector3<f64>, z: &Vector3<f64>, open: f64) -> [f64; 3] {
     let ball = Ball::towards(z, open);
     let rest = ball.undo(x);

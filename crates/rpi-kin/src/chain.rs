@@ -1,19 +1,19 @@
-//! Serial chains of joints that turn or slide, written down as Denavit-Hartenberg tables, and their forward kinematics.
+//! Serial chains of revolute and prismatic joints as Denavit-Hartenberg tables, and their forward kinematics.
 
 use crate::Transform;
 use crate::angle::SinCos;
 use nalgebra::{Matrix3, Rotation3, Translation3, Vector3};
 
-/// Which of the two Denavit-Hartenberg conventions a table uses.
+/// Denavit-Hartenberg convention of a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Convention {
-    /// Denavit and Hartenberg 1955: `Rz(theta) Tz(d) Tx(a) Rx(alpha)`; a link's frame stands at its far end.
+    /// Denavit and Hartenberg, 1955: `Rz(theta) Tz(d) Tx(a) Rx(alpha)`. The frame of a link is at its distal end.
     Standard,
-    /// Craig 1986 ("modified"): `Rx(alpha) Tx(a) Rz(theta) Tz(d)`; a link's frame stands on its own joint.
+    /// Craig, 1986 ("modified"): `Rx(alpha) Tx(a) Rz(theta) Tz(d)`. The frame of a link is at its own joint.
     Modified,
 }
 
-/// The twist `alpha` of a link, as sine and cosine so that quarter turns are exact.
+/// Twist `alpha` of a link. Sine and cosine are stored, so that multiples of 90° are exact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Twist {
     sin: f64,
@@ -21,17 +21,17 @@ pub struct Twist {
 }
 
 impl Twist {
-    /// Parallel axes.
+    /// Twist of 0 (parallel axes).
     pub const NONE: Self = Self { sin: 0.0, cos: 1.0 };
-    /// A quarter turn about x.
+    /// Twist of 90° about x.
     pub const PLUS_90: Self = Self { sin: 1.0, cos: 0.0 };
-    /// A quarter turn about x, the other way.
+    /// Twist of -90° about x.
     pub const MINUS_90: Self = Self {
         sin: -1.0,
         cos: 0.0,
     };
 
-    /// Any other angle in radians.
+    /// Creates a twist from an angle in rad.
     #[must_use]
     pub fn of(alpha: f64) -> Self {
         let SinCos { sin, cos } = SinCos::of(alpha);
@@ -39,16 +39,16 @@ impl Twist {
     }
 }
 
-/// What a joint does.
+/// Type of a joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Joint {
-    /// It turns about its axis: `theta = sense * q + offset`.
+    /// Revolute joint: `theta = sense * q + offset`.
     Turns,
-    /// It slides along its axis: `d` grows by `sense * q`, and `theta = offset`.
+    /// Prismatic joint: the offset along z is `d + sense * q`, and `theta = offset`.
     Slides,
 }
 
-/// One row of a Denavit-Hartenberg table.
+/// Row of a Denavit-Hartenberg table.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Link {
     /// Length along x, in m.
@@ -57,16 +57,16 @@ pub struct Link {
     pub alpha: Twist,
     /// Offset along z, in m.
     pub d: f64,
-    /// Joint angle at `q = 0`, in rad.
+    /// Joint angle for `q = 0`, in rad.
     pub offset: f64,
-    /// +1, or -1 where the vendor counts the axis the other way round.
+    /// +1, or -1 if the vendor defines the opposite sense of rotation.
     pub sense: f64,
-    /// Whether it turns or slides.
+    /// Type of the joint.
     pub joint: Joint,
 }
 
 impl Link {
-    /// A row without offset, turning in the sense of the table.
+    /// Creates a row of a revolute joint without offset, in the sense of the table.
     #[must_use]
     pub const fn new(a: f64, alpha: Twist, d: f64) -> Self {
         Self {
@@ -79,7 +79,7 @@ impl Link {
         }
     }
 
-    /// The same row with a joint that slides.
+    /// Returns the row with a prismatic joint.
     #[must_use]
     pub const fn sliding(self) -> Self {
         Self {
@@ -88,7 +88,7 @@ impl Link {
         }
     }
 
-    /// The turn about z and the shift along it for a joint value.
+    /// Returns the rotation about z and the translation along z for a joint value.
     #[inline]
     fn moved(&self, q: f64) -> (SinCos, f64) {
         match self.joint {
@@ -97,7 +97,7 @@ impl Link {
         }
     }
 
-    /// The same row with the vendor's zero and sense of rotation.
+    /// Returns the row with the sense and the offset (rad) of the vendor.
     #[must_use]
     pub const fn counted(self, sense: f64, offset: f64) -> Self {
         Self {
@@ -108,31 +108,32 @@ impl Link {
     }
 }
 
-/// A chain: one row for each joint and fixed rows at the end (`tail`), usually a flange.
+/// Kinematic chain: one row per joint, and fixed rows at the end (`tail`), usually a flange.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Chain {
-    /// How the rows are meant.
+    /// Convention of the rows.
     pub convention: Convention,
-    /// One row for each joint, from the base on.
+    /// Rows of the joints, from the base to the flange.
     pub links: &'static [Link],
     /// Fixed rows after the last joint.
     pub tail: &'static [Link],
 }
 
 impl Chain {
-    /// The number of joints.
+    /// Returns the number of joints.
     #[must_use]
     pub const fn axes(&self) -> usize {
         self.links.len()
     }
 
-    /// The flange in the base for the joint values `q` (rad, m). Missing values count as zero, surplus ones are ignored.
+    /// Returns the pose of the flange in the base frame for the joint values `q` (rad, m). Missing values count as 0;
+    /// extra values are ignored.
     #[must_use]
     pub fn flange(&self, q: &[f64]) -> Transform {
         let padded = q.iter().copied().chain(core::iter::repeat(0.0));
         let joints = self.links.iter().zip(padded);
         let rows = joints.chain(self.tail.iter().zip(core::iter::repeat(0.0)));
-        // One loop for each convention: the choice is not made again on every row.
+        // One loop per convention, so that the choice is not repeated for every row.
         let end = match self.convention {
             Convention::Standard => {
                 rows.fold(Moving::BASE, |frame, (row, q)| frame.standard(row, q))
@@ -144,16 +145,17 @@ impl Chain {
         end.transform()
     }
 
-    /// The frame of each link in the base, one for each joint, in order (the tail left out).
+    /// Returns the frames of all links in the base frame, one per joint, in order, without `tail`.
     pub fn link_frames<'a>(&'a self, q: &'a [f64]) -> impl Iterator<Item = Transform> + 'a {
         self.frames(q).map(|frame| frame.transform())
     }
 
-    /// The axis of each joint in the base, in the sense in which q counts.
+    /// Returns the axes of all joints in the base frame, in the positive sense of the joint values.
     pub fn axes_in_base<'a>(&'a self, q: &'a [f64]) -> impl Iterator<Item = Axis> + 'a {
         let mut before = Moving::BASE;
         self.frames(q).zip(self.links).map(move |(after, link)| {
-            // Standard rows turn about the z of the frame before them, modified rows about their own.
+            // The joint of a standard row rotates about z of the previous frame, that of a modified row about z of its
+            // own frame.
             let turned = if self.convention == Convention::Standard {
                 before
             } else {
@@ -181,18 +183,18 @@ impl Chain {
     }
 }
 
-/// The axis of a joint in the base.
+/// Axis of a joint in the base frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Axis {
-    /// A point on it, in m.
+    /// Point on the axis, in m.
     pub point: Vector3<f64>,
-    /// Its direction: a unit vector.
+    /// Direction of the axis: a unit vector.
     pub direction: Vector3<f64>,
-    /// What the joint does about or along it.
+    /// Type of the joint.
     pub joint: Joint,
 }
 
-/// A frame on its way along the chain: the columns of its rotation and its origin. Cheaper than multiplying matrices,
+/// Current frame of the forward recursion: columns of its rotation and origin. Cheaper than a product of matrices,
 /// because a row of the table only mixes two columns at a time.
 #[derive(Clone, Copy)]
 struct Moving {

@@ -1,14 +1,15 @@
-//! The geometric Jacobian: how the joints' velocities move a point of the last link.
+//! Geometric Jacobian: the velocity of a point of the last link for given joint velocities.
 
 use crate::Chain;
 use crate::chain::Joint;
 use nalgebra::{SMatrix, Vector3};
 
-/// Linear velocity (rows 0 to 2, m/s) of `point` and angular velocity (rows 3 to 5, rad/s) of the last link, both in base
-/// coordinates, for each joint's unit velocity. `point` is given in the base, in m: the flange's origin, or a tool's.
+/// Returns the geometric Jacobian: linear velocity (rows 0 to 2, m/s) of `point` and angular velocity (rows 3 to 5,
+/// rad/s) of the last link per unit velocity of each joint, in base coordinates. `point` is given in the base frame, in
+/// m: the origin of the flange or of a tool.
 ///
-/// `N` is the number of joints; columns beyond the chain's joints are zero.
-/// Source: Siciliano, Sciavicco, Villani, Oriolo, Robotics (2009), section 3.1.
+/// `N` is the number of joints. Columns beyond the joints of the chain are zero. Source: Siciliano, Sciavicco, Villani,
+/// Oriolo, Robotics (2009), section 3.1.
 #[must_use]
 pub fn geometric<const N: usize>(
     chain: &Chain,

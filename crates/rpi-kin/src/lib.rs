@@ -1,19 +1,21 @@
-//! Kinematics of serial arms: chains by Denavit-Hartenberg tables, forward and analytic inverse; motion of an axis within
-//! its bounds.
+//! Kinematics of serial arms (Denavit-Hartenberg chains, forward kinematics, analytic inverse kinematics) and
+//! trajectories of single axes.
 //!
-//! Everything here is a pure function of its arguments: no allocation, no panic, bounded time, the same bits on every
-//! machine (all transcendental functions are `libm`'s). This crate must not know devices, cycles, files or clocks.
+//! All functions are pure: no allocation, no panic, bounded time, and bit-identical results on every machine (all
+//! transcendental functions are those of `libm`). The crate has no knowledge of devices, cycles, files or clocks.
 //!
 //! # Conventions
 //!
-//! - SI units: metres, radians, seconds. Joint values in the vendor's sense of rotation.
-//! - A [`Transform`] `b_T_f` maps coordinates in `f` to coordinates in `b`; "the flange in the base" is `base_T_flange`.
-//! - Rotations that cross the crate's border as poses ([`Pose`]) are unit quaternions `w + xi + yj + zk` (Hamilton),
-//!   stored by nalgebra in the order x, y, z, w. `q` and `-q` are the same rotation; neither sign is preferred.
-//! - The base frame stands in the mounting face of the arm, z along axis 1. The flange frame stands in the flange face,
-//!   z along the last axis. With all joints at zero a KUKA LBR stands upright and its flange frame is parallel to its base.
-//! - "No solution" is said by a type inside the crate ([`NoSolution`]) and by NaN joints at its edge
-//!   ([`ArmModel::inverse_or_nan`]), which is how nets of the reference system hand it on to the arm.
+//! - Units are SI: metres, radians, seconds. Joint values have the sense of rotation of the vendor.
+//! - A [`Transform`] `b_T_f` maps coordinates in `f` to coordinates in `b`. "The flange in the base" is
+//!   `base_T_flange`.
+//! - Rotations in the public interface are part of a [`Pose`]: unit quaternions `w + xi + yj + zk` (Hamilton), stored
+//!   by nalgebra in the order x, y, z, w. `q` and `-q` are the same rotation; neither sign is preferred.
+//! - The base frame lies in the mounting face of the arm, with z along axis 1. The flange frame lies in the flange
+//!   face, with z along the last axis. With all joints at zero, a KUKA LBR is upright and its flange frame is parallel
+//!   to its base frame.
+//! - Inside the crate, "no solution" is the error [`NoSolution`]. At its interface, it can also be NaN joints
+//!   ([`ArmModel::inverse_or_nan`]), which nets of the reference system pass on to the arm.
 #![no_std]
 
 pub mod angle;
@@ -34,26 +36,26 @@ pub use chain::{Chain, Convention, Link};
 pub use limits::{AxisLimits, Range};
 pub use model::{ArmModel, Inverse, MAX_AXES};
 
-/// A rigid transform with a rotation matrix: what chains multiply.
+/// Rigid transform with a rotation matrix. Chains compute with this type.
 pub type Transform = nalgebra::IsometryMatrix3<f64>;
 
-/// A rigid transform with a unit quaternion: what crosses the border.
+/// Rigid transform with a unit quaternion. The public interface uses this type.
 pub type Pose = nalgebra::Isometry3<f64>;
 
-/// Why an inverse has no joints to offer.
+/// Error of inverse kinematics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NoSolution {
-    /// The wrist is farther from the shoulder, or nearer to it, than the arm can be bent.
+    /// The wrist is too far from the shoulder, or too near to it.
     OutOfReach,
-    /// The arm reaches the pose, but only with a joint outside its range.
+    /// The pose is reachable only with a joint outside its range.
     OutOfLimits,
-    /// A coordinate of the pose or a hint joint is NaN or infinite, or there are not as many hints as axes.
+    /// A coordinate of the pose or a hint joint is NaN or infinite, or there are fewer hint joints or limits than axes.
     NotFinite,
-    /// No closed form is known for this arm.
+    /// No closed-form solution is known for this arm.
     NoClosedForm,
 }
 
-/// The pose with the same rotation as a quaternion.
+/// Converts a transform to a pose with a quaternion.
 #[must_use]
 pub fn pose_of(transform: &Transform) -> Pose {
     Pose::from_parts(
@@ -62,7 +64,7 @@ pub fn pose_of(transform: &Transform) -> Pose {
     )
 }
 
-/// The transform with the same rotation as a matrix.
+/// Converts a pose to a transform with a rotation matrix.
 #[must_use]
 pub fn transform_of(pose: &Pose) -> Transform {
     Transform::from_parts(pose.translation, pose.rotation.to_rotation_matrix())

@@ -1,16 +1,16 @@
-//! What one axis may do.
+//! Limits of one axis.
 
-/// A closed interval of joint positions in radians (or metres for a linear axis).
+/// Closed interval of joint positions, in rad (m for a prismatic joint).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Range {
-    /// The smallest allowed value.
+    /// Lower limit.
     pub lower: f64,
-    /// The largest allowed value.
+    /// Upper limit.
     pub upper: f64,
 }
 
 impl Range {
-    /// From `-bound` to `bound`.
+    /// Creates the range from `-bound` to `bound`.
     #[must_use]
     pub const fn symmetric(bound: f64) -> Self {
         Self {
@@ -19,13 +19,13 @@ impl Range {
         }
     }
 
-    /// Whether `value` lies inside; false for NaN.
+    /// Returns whether `value` lies in the range; false for NaN.
     #[must_use]
     pub fn contains(&self, value: f64) -> bool {
         value >= self.lower && value <= self.upper
     }
 
-    /// The same interval, shorter by `margin` at both ends.
+    /// Returns the range shortened by `margin` at both ends.
     #[must_use]
     pub fn shrunk(&self, margin: f64) -> Self {
         Self {
@@ -35,21 +35,23 @@ impl Range {
     }
 }
 
-/// Limits of one axis: position in rad, and the magnitudes of velocity in rad/s, acceleration in rad/s^2, jerk in rad/s^3.
+/// Limits of one axis: position in rad, and magnitudes of velocity (rad/s), acceleration (rad/s²) and jerk (rad/s³); m
+/// instead of rad for a prismatic joint.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisLimits {
-    /// Where the axis may stand.
+    /// Position range.
     pub position: Range,
-    /// How fast it may move, in either direction.
+    /// Maximum velocity, in both directions.
     pub velocity: f64,
-    /// How fast its velocity may change.
+    /// Maximum acceleration.
     pub acceleration: f64,
-    /// How fast its acceleration may change.
+    /// Maximum jerk.
     pub jerk: f64,
 }
 
 impl AxisLimits {
-    /// A range in degrees and a velocity in degrees per second, as vendors state them; acceleration and jerk unlimited.
+    /// Creates limits from a range in degrees and a velocity in degrees per second, as stated by vendors. Acceleration
+    /// and jerk are unlimited.
     #[must_use]
     pub const fn degrees(lower: f64, upper: f64, velocity: f64) -> Self {
         Self {
@@ -63,7 +65,7 @@ impl AxisLimits {
         }
     }
 
-    /// A range in radians and a velocity in radians per second; acceleration and jerk unlimited.
+    /// Creates limits from a range in rad and a velocity in rad/s. Acceleration and jerk are unlimited.
     #[must_use]
     pub const fn radians(lower: f64, upper: f64, velocity: f64) -> Self {
         let position = Range { lower, upper };
@@ -75,7 +77,7 @@ impl AxisLimits {
         }
     }
 
-    /// The same with an acceleration in rad/s^2 and a jerk in rad/s^3.
+    /// Returns the limits with an acceleration in rad/s² and a jerk in rad/s³.
     #[must_use]
     pub const fn changing(self, acceleration: f64, jerk: f64) -> Self {
         Self {
@@ -85,8 +87,9 @@ impl AxisLimits {
         }
     }
 
-    /// The same with acceleration and jerk as multiples of the velocity limit, the form the reference system uses:
-    /// full speed is reached in 1/`acceleration` s, full acceleration in `acceleration`/`jerk` s.
+    /// Returns the limits with acceleration (1/s) and jerk (1/s²) as multiples of the velocity limit, as in the
+    /// reference system: full velocity is reached after 1/`acceleration` s, full acceleration after
+    /// `acceleration`/`jerk` s.
     #[must_use]
     pub const fn scaled(self, acceleration: f64, jerk: f64) -> Self {
         self.changing(acceleration * self.velocity, jerk * self.velocity)

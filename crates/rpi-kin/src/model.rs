@@ -1,60 +1,62 @@
-//! An arm as the rest of the system sees it: a chain, limits and, where one is known, a closed-form inverse.
+//! Model of an arm: chain, limits and, if known, closed-form inverse kinematics.
 
 use crate::six;
 use crate::{AxisLimits, Chain, NoSolution, Pose, pose_of, transform_of};
 use crate::{opw, srs, ur};
 
-/// No arm here has more axes.
+/// Maximum number of axes of an arm model.
 pub const MAX_AXES: usize = 7;
 
-/// The closed form that solves an arm's inverse kinematics.
+/// Closed-form solution of the inverse kinematics of an arm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Inverse {
-    /// Seven axes, S-R-S, by arm angle.
+    /// Seven axes with spherical shoulder and wrist (S-R-S), parametrised by the arm angle.
     Srs(srs::Geometry),
-    /// Six axes, the last three meeting in a point.
+    /// Six axes, the last three through one point (spherical wrist).
     Opw(opw::Geometry),
     /// Six axes, the second to fourth parallel.
     Ur(ur::Geometry),
-    /// None known.
+    /// No closed form is known.
     Unknown,
 }
 
-/// One type of arm.
+/// Model of a type of arm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ArmModel {
-    /// The name in `cell.toml`.
+    /// Name in `cell.toml`.
     pub id: &'static str,
-    /// The name for people.
+    /// Display name.
     pub title: &'static str,
-    /// Where lengths and limits come from.
+    /// Source of lengths and limits.
     pub source: &'static str,
-    /// Base to flange.
+    /// Kinematic chain from base to flange.
     pub chain: Chain,
-    /// One entry for each axis.
+    /// Limits, one entry per axis.
     pub limits: &'static [AxisLimits],
-    /// How to invert it.
+    /// Closed-form inverse kinematics.
     pub inverse: Inverse,
 }
 
 impl ArmModel {
-    /// The number of axes.
+    /// Returns the number of axes.
     #[must_use]
     pub const fn axes(&self) -> usize {
         self.chain.axes()
     }
 
-    /// The flange in the base. NaN or infinite joints give a pose of NaN.
+    /// Returns the pose of the flange in the base frame for joint values in rad. NaN or infinite joint values give a
+    /// pose of NaN.
     #[must_use]
     pub fn forward(&self, joints: &[f64]) -> Pose {
         pose_of(&self.chain.flange(joints))
     }
 
-    /// The joints (rad) that put the flange at `flange` (in the base), chosen by the joints `hint` within `limits`;
-    /// written to the first [`axes`](Self::axes) entries of the result, the rest zero.
+    /// Returns the joint values (rad) for a pose of the flange in the base frame, chosen by the joint values `hint`
+    /// (rad) and within `limits`. They are the first [`axes`](Self::axes) entries of the result; the other entries are
+    /// 0.
     ///
     /// # Errors
-    /// Any [`NoSolution`]; `NotFinite` also if `hint` or `limits` have fewer entries than the arm has axes.
+    /// Any [`NoSolution`]. `NotFinite` also if `hint` or `limits` have fewer entries than the arm has axes.
     pub fn inverse(
         &self,
         flange: &Pose,
@@ -64,8 +66,8 @@ impl ArmModel {
         self.inverse_with_elbow(flange, hint, hint, limits)
     }
 
-    /// As [`inverse`](Self::inverse), with the elbow of a redundant arm as in the joints `elbow`. Arms of six axes have no
-    /// elbow to choose and do not look at it.
+    /// As [`inverse`](Self::inverse), but a redundant arm keeps the elbow position of the joint values `elbow` (rad).
+    /// Arms with six axes ignore `elbow`.
     ///
     /// # Errors
     /// As [`inverse`](Self::inverse).
@@ -94,7 +96,7 @@ impl ArmModel {
         }
     }
 
-    /// As [`inverse`](Self::inverse), with NaN for every joint when there is no solution.
+    /// As [`inverse`](Self::inverse), but returns NaN for every joint if there is no solution.
     #[must_use]
     pub fn inverse_or_nan(
         &self,
@@ -107,7 +109,7 @@ impl ArmModel {
     }
 }
 
-/// The choice of the hint among a six-axis arm's solutions.
+/// Returns the solution of a six-axis arm nearest to the hint.
 fn six_axes(
     hint: &[f64],
     limits: &[AxisLimits],
@@ -121,7 +123,7 @@ fn six_axes(
     Ok(joints)
 }
 
-/// The first `N` entries, or a refusal if there are fewer.
+/// Returns the first `N` entries.
 fn first<T: Copy, const N: usize>(all: &[T]) -> Result<[T; N], NoSolution> {
     all.first_chunk::<N>().copied().ok_or(NoSolution::NotFinite)
 }

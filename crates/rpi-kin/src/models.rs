@@ -1,6 +1,6 @@
-//! The arms that are known by name.
+//! Known arm models.
 //!
-//! Lengths are the vendors'; where a limit is not published, the comment beside it says what stands in for it.
+//! Lengths are those of the vendors. Where a limit is not published, a comment names its replacement.
 
 pub mod franka;
 pub mod kr;
@@ -10,7 +10,7 @@ pub mod universal;
 
 use crate::model::ArmModel;
 
-/// All arms, sorted by name.
+/// All arm models, sorted by `id`.
 pub const ALL: &[&ArmModel] = &[
     &franka::PANDA,
     &lbr::IIWA_14,
@@ -21,7 +21,7 @@ pub const ALL: &[&ArmModel] = &[
     &universal::UR5E,
 ];
 
-/// The arm with this name.
+/// Returns the arm model with this name.
 #[must_use]
 pub fn by_id(id: &str) -> Option<&'static ArmModel> {
     ALL.iter().copied().find(|model| model.id == id)

@@ -1,8 +1,8 @@
-//! Six-axis arms with a spherical wrist: KUKA's KR series and most of their kind.
+//! Six-axis arms with an ortho-parallel basis and a spherical wrist (OPW), such as the KR series of KUKA.
 //!
-//! Axis 1 is upright, axes 2 and 3 lie across it, the wrist's three axes meet in a point. Source of the parameters:
-//! Brandstoetter, Angerer, Hofbaur, An analytical solution of the inverse kinematics problem of industrial serial
-//! manipulators with an ortho-parallel basis and a spherical wrist, Austrian Robotics Workshop 2014.
+//! Axis 1 is vertical, axes 2 and 3 are perpendicular to it, and the three axes of the wrist meet in one point. Source
+//! of the parameters: Brandstötter, Angerer, Hofbaur, An analytical solution of the inverse kinematics problem of
+//! industrial serial manipulators with an ortho-parallel basis and a spherical wrist, Austrian Robotics Workshop 2014.
 
 use crate::angle::{HALF_TURN, SinCos};
 use crate::ball::{self, Ball};
@@ -10,36 +10,36 @@ use crate::six::{Joints, NONE, Solutions, bends};
 use crate::{NoSolution, Transform};
 use nalgebra::Vector3;
 
-/// Lengths in m, and how the vendor counts the axes: canonical angle = `sense * joint + offset`. With all canonical angles
-/// zero the arm stands upright.
+/// Lengths in m, and sense and offset of the axes as defined by the vendor: canonical angle = `sense * joint + offset`.
+/// With all canonical angles at zero, the arm is upright.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Geometry {
-    /// Axis 2 in front of axis 1.
+    /// Distance of axis 2 in front of axis 1.
     pub a1: f64,
-    /// The forearm's axis in front of axis 3; negative if behind it.
+    /// Distance of the axis of the forearm in front of axis 3; negative if behind it.
     pub a2: f64,
-    /// The arm's plane to the left of axis 1.
+    /// Lateral offset of the plane of the arm to the left of axis 1.
     pub b: f64,
-    /// Axis 2 above the base.
+    /// Height of axis 2 above the base.
     pub c1: f64,
-    /// The upper arm.
+    /// Length of the upper arm.
     pub c2: f64,
-    /// The forearm, along its axis.
+    /// Length of the forearm, along its axis.
     pub c3: f64,
-    /// The wrist's centre to the flange.
+    /// Distance from the wrist centre to the flange.
     pub c4: f64,
-    /// +1 or -1 for each axis.
+    /// Sense of each axis: +1 or -1.
     pub sense: Joints,
-    /// Canonical angle at joint value zero, in rad.
+    /// Canonical angle at joint value 0, in rad.
     pub offset: Joints,
 }
 
 impl Geometry {
-    /// All sets of joints that put the flange at `flange` (in the base), within half a turn of zero before offsets. Turns
-    /// that the pose leaves open are those of `hint` (rad).
+    /// Returns all solutions for a pose of the flange in the base frame, in rad; entries that do not exist are NaN.
+    /// Angles that the pose does not determine are taken from `hint` (rad).
     ///
     /// # Errors
-    /// [`NoSolution::NotFinite`] if the pose is.
+    /// [`NoSolution::NotFinite`] if the pose is not finite.
     pub fn solutions(&self, flange: &Transform, hint: &Joints) -> Result<Solutions, NoSolution> {
         let rotation = flange.rotation.matrix();
         if !(flange.translation.vector.iter().chain(rotation.iter())).all(|entry| entry.is_finite())
@@ -60,8 +60,10 @@ impl Geometry {
         Ok(solutions)
     }
 
-    /// The first three canonical angles for the wrist's centre: to the front or over the head, elbow one way or the other.
+    /// Returns the first three canonical angles for the wrist centre, for all combinations of front or overhead and
+    /// elbow up or down.
     fn arms(&self, wrist: &Vector3<f64>) -> [[f64; 3]; 4] {
+        // If the wrist is too near to axis 1, the root is NaN, and so are all solutions: they do not exist.
         let level = libm::sqrt(wrist.x * wrist.x + wrist.y * wrist.y - self.b * self.b);
         let towards = libm::atan2(wrist.y, wrist.x);
         let aside = libm::atan2(self.b, level);

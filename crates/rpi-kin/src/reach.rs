@@ -1,17 +1,17 @@
-//! Bringing one axis from any state of motion to rest at a goal, within its speed, acceleration and jerk.
+//! Motion of one axis from any state to rest at a goal with bounded speed, acceleration and jerk.
 //!
-//! The way is a change of speed to a peak, a time at that speed if the peak is the greatest one, and a stop; each change is the
-//! fastest there is. The peak is found numerically: the distance grows with it on each of the three stretches on which
-//! it is looked for. From rest this is the time-optimal double-S profile (Biagiotti and Melchiorri, Trajectory Planning
-//! for Automatic Machines and Robots, 2008, 3.4); from motion it is the fastest way that passes its peak without acceleration.
-//! Built once, then sampled at any time in constant time.
+//! The motion is a change of speed to a peak, a time at that speed if the peak is the maximum speed, and a stop. Each
+//! change is the fastest possible one. The peak is found numerically: the distance grows with the peak on each of the
+//! three intervals of the search. From rest, this is the time-optimal double-S profile (Biagiotti and Melchiorri,
+//! Trajectory Planning for Automatic Machines and Robots, 2008, 3.4). From motion, it is the fastest motion that has no
+//! acceleration at its peak. A profile is planned once and sampled at any time in constant time.
 
 use crate::stop::{Motion, Part, Stop};
 
-/// Position, velocity and acceleration of an axis: rad and s, or m and s.
+/// Position, velocity and acceleration of an axis, in rad and s, or m and s.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct State {
-    /// Position.
+    /// Position, rad or m.
     pub position: f64,
     /// Velocity.
     pub velocity: f64,
@@ -19,38 +19,38 @@ pub struct State {
     pub acceleration: f64,
 }
 
-/// The magnitudes that may be used, all positive.
+/// Bounds of a motion, as magnitudes; all positive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
-    /// Of the velocity.
+    /// Maximum velocity.
     pub speed: f64,
-    /// Of the acceleration.
+    /// Maximum acceleration.
     pub acceleration: f64,
-    /// Of the jerk.
+    /// Maximum jerk.
     pub jerk: f64,
 }
 
-/// A planned way to rest at a goal.
+/// Planned motion to rest at a goal.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Reach {
     start: State,
     goal: f64,
-    /// The velocity between the changes.
+    /// Velocity between the two changes of speed.
     peak: f64,
-    /// Seconds at the peak.
+    /// Time at the peak velocity, s.
     cruise: f64,
-    /// From the start to the peak.
+    /// Change of speed from the start to the peak.
     first: [Part; 3],
-    /// From the peak to rest.
+    /// Change of speed from the peak to rest.
     last: [Part; 3],
 }
 
-/// Steps of the search for the peak at most; each that finds no better bound halves the stretch.
+/// Maximum number of steps of the search for the peak. At least every fourth step halves the interval.
 const STEPS: u32 = 100;
 
 impl State {
-    /// The state behind a position and its first and second backward differences over `dt`, if the jerk was `jerk` all the
-    /// while: differences lag behind velocity and acceleration.
+    /// Returns the state with a given position and given first and second backward differences over `dt` seconds,
+    /// assuming a constant `jerk`. Differences lag behind velocity and acceleration; this corrects the lag.
     fn behind(differences: Self, jerk: f64, dt: f64) -> Self {
         let acceleration = differences.acceleration + jerk * dt;
         Self {
@@ -84,7 +84,7 @@ impl State {
 }
 
 impl Bounds {
-    /// Whether all are positive and finite.
+    /// Returns whether all bounds are positive and finite.
     #[must_use]
     pub fn are_usable(&self) -> bool {
         let usable = |bound: f64| bound > 0.0 && bound.is_finite();
@@ -93,9 +93,9 @@ impl Bounds {
 }
 
 impl Reach {
-    /// Plans the way from `start` to rest at `goal`. A start beyond the bounds is brought back within them first.
+    /// Plans the motion from `start` to rest at `goal`. A start beyond the bounds is first brought back within them.
     ///
-    /// `None` if a bound is not positive or a number is not finite.
+    /// Returns `None` if a bound is not positive or a number is not finite.
     #[must_use]
     pub fn new(start: State, goal: f64, bounds: Bounds) -> Option<Self> {
         let numbers = [start.position, start.velocity, start.acceleration, goal];
@@ -107,6 +107,7 @@ impl Reach {
         if coming >= 0.0 {
             return Search { start, bounds }.way(goal, coming);
         }
+        // The search assumes a positive velocity, so a negative one is solved as its mirror image.
         let mirror = Search {
             start: start.mirrored(),
             bounds,
@@ -114,20 +115,22 @@ impl Reach {
         Some(mirror.way(-goal, -coming)?.mirrored())
     }
 
-    /// Plans the way on from set-points `dt` apart, of which the last one and its first and second backward differences are
-    /// known: set-points sampled from it keep the bounds in their backward differences over the joint, too. The speed that
-    /// is planned with is lower by what the jerk can change in two periods, which is as far as the differences may be off.
+    /// Plans a motion that continues set-points `dt` seconds apart. `differences` is the last set-point with its first
+    /// and second backward differences. The backward differences of sampled set-points keep the bounds also across the
+    /// transition. For this, the planned speed is lower by the change of speed that the jerk causes in two periods,
+    /// which is the maximum error of the differences.
     ///
-    /// `None` as for [`Reach::new`].
+    /// Returns `None` under the same conditions as [`Reach::new`].
     #[must_use]
     pub fn following(differences: State, dt: f64, goal: f64, bounds: Bounds) -> Option<Self> {
         let bounds = Bounds {
+            // At least half of the speed remains, also for a period so long that the correction would exceed it.
             speed: (bounds.speed - 2.0 * bounds.jerk * dt * dt).max(bounds.speed / 2.0),
             ..bounds
         };
         let plan = |jerk: f64| Self::new(State::behind(differences, jerk, dt), goal, bounds);
         let steady = plan(0.0)?;
-        // The way on begins with this jerk: then it may as well have been there before, and no period is lost.
+        // The motion starts with this jerk. If the jerk is assumed for the previous period as well, no period is lost.
         let jerk = steady.jerk_at(dt / 2.0);
         let at_once = plan(jerk)?;
         Some(if at_once.jerk_at(dt / 2.0) == jerk {
@@ -162,21 +165,22 @@ impl Reach {
         }
     }
 
-    /// How long it takes, in s.
+    /// Returns the duration in s.
     #[must_use]
     pub fn duration(&self) -> f64 {
         duration(&self.first) + self.cruise + duration(&self.last)
     }
 
-    /// Where it ends.
+    /// Returns the goal position.
     #[must_use]
     pub fn goal(&self) -> f64 {
         self.goal
     }
 
-    /// The state `time` seconds after the start; at rest at the goal from the end on.
+    /// Returns the state `time` seconds after the start. After the end, the axis is at rest at the goal.
     ///
-    /// What follows the first change is reckoned from the goal back, so that no rounding adds up on a long way.
+    /// After the first change of speed, positions are computed backwards from the goal, so that rounding errors do not
+    /// accumulate on a long motion.
     #[must_use]
     pub fn at(&self, time: f64) -> State {
         if time >= self.duration() {
@@ -191,7 +195,7 @@ impl Reach {
         }
         let stopping = duration(&self.last);
         let after_peak = time - to_peak - self.cruise;
-        // A change between two velocities without acceleration at its ends has their mean.
+        // A change between two velocities with zero acceleration at both ends has their mean as its mean velocity.
         let braking = State {
             position: self.goal - self.peak * stopping / 2.0 + self.peak * after_peak.min(0.0),
             velocity: self.peak,
@@ -200,7 +204,7 @@ impl Reach {
         along(braking, &self.last, after_peak.max(0.0))
     }
 
-    /// All of it in numbers, for who keeps it from cycle to cycle.
+    /// Returns the profile as numbers, for storage in a state.
     #[must_use]
     pub fn to_numbers(&self) -> [f64; Self::NUMBERS] {
         let mut numbers = [0.0; Self::NUMBERS];
@@ -227,7 +231,7 @@ impl Reach {
         numbers
     }
 
-    /// The way behind its numbers.
+    /// Creates a profile from its numbers; inverse of [`Reach::to_numbers`].
     #[must_use]
     pub fn from_numbers(numbers: &[f64; Self::NUMBERS]) -> Self {
         let [
@@ -257,7 +261,7 @@ impl Reach {
         }
     }
 
-    /// How many numbers there are.
+    /// Number of numbers of a profile.
     pub const NUMBERS: usize = HEAD + 12;
 }
 
@@ -277,7 +281,7 @@ fn along(start: State, parts: &[Part; 3], time: f64) -> State {
     state
 }
 
-/// What the peak is looked for with: the start comes with a positive velocity.
+/// Search for the peak velocity. The velocity of the start must be positive once its acceleration has decayed.
 #[derive(Clone, Copy)]
 struct Search {
     start: State,
@@ -285,7 +289,7 @@ struct Search {
 }
 
 impl Search {
-    /// The way to `goal`; `coming` is the velocity once the acceleration at the start has run out.
+    /// Returns the motion to `goal`. `coming` is the velocity once the acceleration of the start has decayed.
     fn way(&self, goal: f64, coming: f64) -> Option<Reach> {
         let (peak, cruise) = self.peak_and_cruise(goal - self.start.position, coming)?;
         let (first, last) = self.changes(peak)?;
@@ -320,7 +324,7 @@ impl Search {
         Some((self.peak(distance, low, high)?, 0.0))
     }
 
-    /// The change of speed to a peak, and the stop from it.
+    /// Returns the change of speed to a peak, and the stop from it.
     fn changes(&self, peak: f64) -> Option<(Stop, Stop)> {
         let to = |motion: Motion| Stop::new(motion, self.bounds.acceleration, self.bounds.jerk);
         let first = to(Motion {
@@ -334,14 +338,15 @@ impl Search {
         Some((first, last))
     }
 
-    /// How far it goes with a peak and no time at it.
+    /// Returns the distance covered with a peak and no time at it.
     fn distance(&self, peak: f64) -> Option<f64> {
         let (first, last) = self.changes(peak)?;
         Some(first.distance() + peak * first.duration() + last.distance())
     }
 
-    /// The peak between `low` and `high` with which it goes `distance`: regula falsi, with the weight of an end that
-    /// stays halved (Illinois), and a halving now and then so that the stretch shrinks in any case.
+    /// Returns the peak between `low` and `high` for which the motion covers `distance`. Uses regula falsi with the
+    /// Illinois modification (halved weight of a retained end), and a bisection in every fourth step to guarantee
+    /// convergence.
     fn peak(&self, distance: f64, mut low: f64, mut high: f64) -> Option<f64> {
         let off = |peak: f64| Some(self.distance(peak)? - distance);
         let (mut below, mut above) = (off(low)?, off(high)?);

@@ -1,4 +1,4 @@
-//! What the closed forms of six-axis arms share: up to eight sets of joints, of which the hint chooses.
+//! Common parts of the closed forms for six-axis arms: up to eight solutions, and the choice by a hint.
 
 use crate::angle::{SinCos, turn_within};
 use crate::{NoSolution, Range};
@@ -6,21 +6,21 @@ use crate::{NoSolution, Range};
 /// Joint values of a six-axis arm, in rad.
 pub type Joints = [f64; 6];
 
-/// Up to eight sets of joints; those that do not exist are NaN.
+/// Up to eight solutions. Entries that do not exist are NaN.
 pub type Solutions = [Joints; 8];
 
-/// No joints.
+/// Solution that does not exist.
 pub(crate) const NONE: Joints = [f64::NAN; 6];
 
-/// How far a cosine may be beyond 1 by rounding: it moves the flange by less than 1e-9 m.
+/// Tolerance by which a cosine may exceed 1 due to rounding. It moves the flange by less than 1e-9 m.
 const REACH_TOLERANCE: f64 = 1e-9;
 
-/// The set nearest to `hint` (the smallest largest difference of a joint, each taken at the whole turn nearest to the hint
-/// that is in range) of those that exist and have every joint in its range.
+/// Returns the solution nearest to `hint` (rad) with all joints in `ranges`. The distance is the largest difference of
+/// a joint; each joint is first moved by full turns to the value in its range nearest to the hint.
 ///
 /// # Errors
-/// [`NoSolution::NotFinite`] if a hint is NaN or infinite, [`NoSolution::OutOfReach`] if none exists,
-/// [`NoSolution::OutOfLimits`] if none is in range.
+/// [`NoSolution::NotFinite`] if a hint is NaN or infinite, [`NoSolution::OutOfReach`] if there is no solution,
+/// [`NoSolution::OutOfLimits`] if no solution is in range.
 pub fn choose(
     solutions: &Solutions,
     hint: &Joints,
@@ -58,8 +58,8 @@ fn distance(joints: &Joints, hint: &Joints) -> f64 {
     differences.fold(0.0, f64::max)
 }
 
-/// The two bends of a joint between two limbs that bring the end of the second to a distance from the start of the first
-/// (law of cosines); NaN if neither does.
+/// Returns the two bend angles between two limbs for which the end of the second has a distance from the start of the
+/// first (law of cosines); NaN if there is none.
 pub(crate) fn bends(first: f64, second: f64, distance_squared: f64) -> [f64; 2] {
     let cos = (distance_squared - first * first - second * second) / (2.0 * first * second);
     if cos.abs() > 1.0 + REACH_TOLERANCE {

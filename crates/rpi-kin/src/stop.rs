@@ -1,8 +1,9 @@
-//! Bringing one axis to rest within its acceleration and jerk: what a device does on its own when it is left alone.
+//! Stop of one axis with bounded acceleration and jerk: the motion of a device that receives no more set-points.
 //!
-//! Time-optimal, in at most three parts of constant jerk. Built once, then sampled at any time in constant time.
+//! The stop is time-optimal and has at most three phases of constant jerk. It is planned once and sampled at any time
+//! in constant time.
 
-/// Velocity and acceleration of an axis, in rad/s and rad/s^2 (or m).
+/// Velocity and acceleration of an axis, in rad/s and rad/s² (or m/s and m/s²).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Motion {
     /// Velocity.
@@ -11,7 +12,7 @@ pub struct Motion {
     pub acceleration: f64,
 }
 
-/// A part of constant jerk.
+/// Phase of constant jerk: duration (s) and jerk.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Part {
     pub(crate) duration: f64,
@@ -27,7 +28,7 @@ impl Part {
     }
 }
 
-/// The way to rest.
+/// Planned stop of an axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Stop {
     start: Motion,
@@ -35,10 +36,10 @@ pub struct Stop {
 }
 
 impl Stop {
-    /// From `start`, with the magnitudes of acceleration and jerk that may be used (both positive; jerk may be infinite
-    /// for an axis that only limits its acceleration). A start beyond the acceleration limit is brought back to it first.
+    /// Plans the stop from `start` with maximum magnitudes of acceleration and jerk. Both must be positive; the jerk
+    /// may be infinite. A start beyond the maximum acceleration is first brought back to it.
     ///
-    /// `None` if a number is NaN, the start is infinite, or a limit is not positive.
+    /// Returns `None` if a number is NaN, the start is infinite, or a limit is not positive.
     #[must_use]
     pub fn new(start: Motion, acceleration: f64, jerk: f64) -> Option<Self> {
         let usable = start.velocity.is_finite()
@@ -51,7 +52,7 @@ impl Stop {
         if jerk.is_infinite() {
             return Some(Self::without_jerk(start, acceleration));
         }
-        // What is left of the velocity if the acceleration just runs out decides the direction to brake in.
+        // The velocity that remains when the acceleration has decayed to zero determines the direction of braking.
         let left = start.velocity + start.acceleration * start.acceleration.abs() / (2.0 * jerk);
         let braking = if left < 0.0 { -1.0 } else { 1.0 };
         let (velocity, present) = (braking * start.velocity, braking * start.acceleration);
@@ -82,7 +83,7 @@ impl Stop {
         Some(Self { start, parts })
     }
 
-    /// Constant braking: the acceleration jumps.
+    /// Plans a stop with constant deceleration; the acceleration is discontinuous.
     fn without_jerk(start: Motion, acceleration: f64) -> Self {
         let braking = if start.velocity < 0.0 {
             acceleration
@@ -103,13 +104,14 @@ impl Stop {
         }
     }
 
-    /// How long it takes, in s.
+    /// Returns the duration in s.
     #[must_use]
     pub fn duration(&self) -> f64 {
         self.parts.iter().map(|part| part.duration).sum()
     }
 
-    /// Velocity and acceleration `time` seconds after the start: those of the start before it, zero from the end on.
+    /// Returns velocity and acceleration `time` seconds after the start. Before the start, those of the start; after
+    /// the end, zero.
     #[must_use]
     pub fn at(&self, time: f64) -> Motion {
         if time >= self.duration() {
@@ -125,7 +127,7 @@ impl Stop {
         motion
     }
 
-    /// How far the axis moves until it stands, in rad (or m), with its sign.
+    /// Returns the signed distance until rest, in rad (or m).
     #[must_use]
     pub fn distance(&self) -> f64 {
         let mut motion = self.start;

@@ -1,7 +1,7 @@
-//! Six-axis arms whose axes 2, 3 and 4 are parallel: Universal Robots' and their kind.
+//! Six-axis arms with parallel axes 2, 3 and 4, such as those of Universal Robots.
 //!
-//! Source of the idea: Hawkins, Analytic inverse kinematics for the Universal Robots UR-5/UR-10 arms, Georgia Tech 2013. The
-//! angles themselves follow from the orientation, which such an arm makes as `Rz Ry Rz` once axis 1 is known.
+//! Source of the method: Hawkins, Analytic inverse kinematics for the Universal Robots UR-5/UR-10 arms, Georgia Tech
+//! 2013. The angles follow from the orientation, which is `Rz Ry Rz` once axis 1 is known.
 
 use crate::angle::{HALF_TURN, SinCos};
 use crate::ball;
@@ -9,32 +9,32 @@ use crate::six::{Joints, NONE, Solutions, bends};
 use crate::{NoSolution, Transform};
 use nalgebra::Vector3;
 
-/// Lengths of the standard Denavit-Hartenberg table, in m; `a2` and `a3` are negative by the vendor's convention.
+/// Lengths of the standard Denavit-Hartenberg table, in m. `a2` and `a3` are negative by the convention of the vendor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Geometry {
-    /// Base to shoulder.
+    /// Distance from the base to the shoulder.
     pub d1: f64,
-    /// Upper arm.
+    /// Length of the upper arm (negative).
     pub a2: f64,
-    /// Forearm.
+    /// Length of the forearm (negative).
     pub a3: f64,
-    /// Along axis 4.
+    /// Offset along axis 4.
     pub d4: f64,
-    /// Along axis 5.
+    /// Offset along axis 5.
     pub d5: f64,
-    /// Along axis 6, to the flange.
+    /// Offset along axis 6, to the flange.
     pub d6: f64,
 }
 
-/// How far a cosine may be beyond 1 by rounding.
+/// Tolerance by which a cosine may exceed 1 due to rounding.
 const REACH_TOLERANCE: f64 = 1e-9;
 
 impl Geometry {
-    /// All sets of joints that put the flange at `flange` (in the base). Turns that the pose leaves open are those of
-    /// `hint` (rad).
+    /// Returns all solutions for a pose of the flange in the base frame, in rad; entries that do not exist are NaN.
+    /// Angles that the pose does not determine are taken from `hint` (rad).
     ///
     /// # Errors
-    /// [`NoSolution::NotFinite`] if the pose is.
+    /// [`NoSolution::NotFinite`] if the pose is not finite.
     pub fn solutions(&self, flange: &Transform, hint: &Joints) -> Result<Solutions, NoSolution> {
         let rotation = flange.rotation.matrix();
         if !(flange.translation.vector.iter().chain(rotation.iter())).all(|entry| entry.is_finite())
@@ -62,7 +62,8 @@ impl Geometry {
         Ok(solutions)
     }
 
-    /// The two angles of axis 1 that bring the fifth frame's origin `d4` to the side of the arm's plane.
+    /// Returns the two angles of axis 1 for which the origin of frame 5 has the distance `d4` from the plane of the
+    /// arm.
     fn first(&self, before_last: &Vector3<f64>) -> [f64; 2] {
         let level = libm::sqrt(before_last.x * before_last.x + before_last.y * before_last.y);
         let sin = self.d4 / level;
@@ -74,8 +75,8 @@ impl Geometry {
         [towards + aside, towards + HALF_TURN - aside]
     }
 
-    /// Shoulder and elbow for the wrist seen from the shoulder, with the sum of the three parallel axes: elbow one way or
-    /// the other.
+    /// Returns the angles of shoulder and elbow for a wrist position in the shoulder frame and the sum of the three
+    /// parallel axes, for both elbow configurations.
     fn planar(&self, wrist: &Vector3<f64>, sum: f64) -> [[f64; 2]; 2] {
         let SinCos { sin, cos } = SinCos::of(sum);
         let (x, y) = (wrist.x - self.d5 * sin, wrist.y + self.d5 * cos);
@@ -90,7 +91,7 @@ impl Geometry {
     }
 }
 
-/// `(Rz(q1) Rx(90 deg))^-1 v`.
+/// Returns `(Rz(q1) Rx(90°))^-1 v`: the vector in the shoulder frame.
 fn in_shoulder(v: &Vector3<f64>, q1: f64) -> Vector3<f64> {
     let SinCos { sin, cos } = SinCos::of(q1);
     Vector3::new(cos * v.x + sin * v.y, v.z, sin * v.x - cos * v.y)

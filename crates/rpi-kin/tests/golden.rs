@@ -1,4 +1,4 @@
-//! Chains and limits against the published tables beside the project.
+//! Tests of chains and limits against the published tables stored with the project.
 
 use rpi_kin::models::{self, lbr};
 use rpi_kin::{ArmModel, Pose};
@@ -20,7 +20,8 @@ fn reals(value: &Value) -> Vec<f64> {
         .collect()
 }
 
-/// One row of a standard table, multiplied out the plain way: the oracle for the chain's shortcut.
+/// Computes one row of a standard table with full matrix products, as the oracle for the optimised recursion of the
+/// chain.
 fn standard(theta: f64, d: f64, a: f64, alpha: f64) -> Pose {
     let z = nalgebra::Vector3::z();
     let x = nalgebra::Vector3::x();
@@ -34,7 +35,7 @@ fn near(one: &Pose, other: &Pose, within: f64) -> bool {
 #[test]
 fn the_lightweight_arms_follow_the_published_tables() {
     let Some(golden) = golden() else { return };
-    // The table of the iiwa 7 leaves out what it shares with the iiwa 14.
+    // The table of the iiwa 7 omits the entries that it shares with the iiwa 14.
     let arms = [
         (&lbr::LWR_4_PLUS, "lwr4plus", "lwr4plus", "vmax_deg_s_rapi"),
         (&lbr::IIWA_7, "iiwa7", "iiwa14", "vmax_deg_s"),
@@ -103,7 +104,7 @@ fn the_ur5e_follows_the_published_table() {
     limits_agree(arm, &reals(&own["qmax_deg"]), &reals(&own["vmax_deg_s"]));
 }
 
-/// Forward kinematics as the paper of the parameters writes it, not as a chain.
+/// Computes forward kinematics by the formulas of the OPW paper, without a chain.
 fn ortho_parallel(robot: &Value, joints: &[f64; 6]) -> Pose {
     let [sign, offset] = [
         [-1.0, 1.0, 1.0, -1.0, 1.0, -1.0],

@@ -1,4 +1,4 @@
-//! Ways to a goal from random states: the bounds hold for whoever takes the backward differences of their samples.
+//! Tests of motions to a goal from random states: backward differences of their samples keep the bounds.
 
 mod common;
 
@@ -7,7 +7,7 @@ use rpi_kin::reach::{Bounds, Reach, State};
 
 const DT: f64 = 1e-3;
 
-/// Bounds of any magnitude between a thousandth and a thousand, and a start within them.
+/// Returns bounds with magnitudes from 0.001 to 1000, and a start within them.
 fn case(random: &mut Random) -> (State, f64, Bounds) {
     let mut bound = || libm::exp10(random.between(-3.0, 3.0));
     let bounds = Bounds {
@@ -23,7 +23,8 @@ fn case(random: &mut Random) -> (State, f64, Bounds) {
     (start, random.between(-2.0, 2.0), bounds)
 }
 
-/// The velocity that it comes to once the acceleration has run out stays within the bounds: such a start can keep them.
+/// Returns whether the velocity stays within the bounds until the acceleration has decayed, so that the start can keep
+/// the bounds.
 fn can_keep(start: State, bounds: Bounds) -> bool {
     let coming =
         start.velocity + start.acceleration * start.acceleration.abs() / (2.0 * bounds.jerk);
@@ -71,7 +72,8 @@ fn bounds_hold_on_the_whole_way() {
     }
 }
 
-/// What a device sees: set-points in a row, of which each next way starts from the differences. Goals change on the way.
+/// Simulates a device: a sequence of set-points with changing goals, each motion planned from the differences of the
+/// last one.
 #[test]
 fn goals_may_change_on_the_way() {
     let bounds = Bounds {
@@ -105,7 +107,8 @@ fn goals_may_change_on_the_way() {
     }
 }
 
-/// From rest it is the double-S profile: in time with the closed form for a way on which all bounds are reached.
+/// From rest, the motion is a double-S profile. The duration equals the closed form for a motion on which all bounds
+/// are reached.
 #[test]
 fn from_rest_it_takes_the_least_time() {
     let bounds = Bounds {

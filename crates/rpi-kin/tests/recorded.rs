@@ -1,9 +1,9 @@
-//! Our inverse kinematics against every recorded call of the reference system's: the same branch and the same arm angle.
+//! Tests of inverse kinematics against all recorded calls of the reference system: same branch and same arm angle.
 //!
-//! The recorded joints come out of arc cosines and are off their own pose by up to 1e-8, so bits cannot agree; what is
-//! asked for is agreement within that error. Where the reference hands on joints that are out of range, jumps to another
-//! branch to keep the arm angle, or misses the pose (it rounds targets just out of reach inwards), we differ on purpose;
-//! such rows are counted apart.
+//! The recorded joint values are results of arc cosines and miss their own pose by up to 1e-8, so they cannot be
+//! bit-identical. The tests require agreement within that error. The results differ on purpose where the reference
+//! outputs joints out of range, jumps to another branch to keep the arm angle, or misses the pose (it moves targets
+//! just out of reach inwards). Such rows are counted separately.
 
 mod common;
 mod rows;
@@ -14,22 +14,22 @@ use rpi_kin::models::lbr::{IIWA_7, IIWA_14, LWR_4_PLUS};
 use rpi_kin::{ArmModel, Pose};
 use std::f64::consts::{PI, TAU};
 
-/// How a recorded row compares with ours.
+/// Result of the comparison of a recorded row with the computed joints.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Verdict {
     /// All joints agree within 1e-9 rad.
     Exact,
-    /// They agree within what the recorded joints are off their own pose, amplified near straight joints.
+    /// All joints agree within the error of the recorded joints, amplified near straight joints.
     Rounding,
-    /// Both say: out of reach.
+    /// Both find the pose out of reach.
     BothUnreachable,
-    /// The recorded joints are out of range, so ours swing the elbow.
+    /// The recorded joints are out of range; the computed ones move the elbow.
     TheirsOutOfRange,
-    /// The recorded joints jump to another branch where ours swing the elbow and stay near the hint.
+    /// The recorded joints jump to another branch; the computed ones move the elbow and stay near the hint.
     TheirsJump,
     /// The recorded joints miss the pose, which is out of reach.
     TheirsInexact,
-    /// None of these.
+    /// None of the others.
     Different,
 }
 
@@ -63,7 +63,8 @@ fn recorded_calls_are_reproduced() {
     assert!(agreeing * 100 >= rows.len() * 98, "{counts:?}");
 }
 
-/// The nets name their robots freely; which model stands behind a name follows from the recorded pose and joints.
+/// Returns the arm model of a row. The names of robots in the nets are arbitrary, so the recorded pose and joints
+/// identify the model.
 fn arm_of(row: &Row) -> &'static ArmModel {
     let off = |arm: &ArmModel| {
         (forward(arm, &row.joints).translation.vector - row.flange.translation.vector).amax()
@@ -74,7 +75,8 @@ fn arm_of(row: &Row) -> &'static ArmModel {
         .unwrap_or(&LWR_4_PLUS)
 }
 
-/// The reference turns an iiwa's flange frame by half a turn about its z, against the vendor's.
+/// Returns the transform from the flange frame of the vendor to that of the reference, which is rotated by half a turn
+/// about z for an iiwa.
 fn flange_of_reference(arm: &ArmModel) -> Pose {
     let turn = if arm.id == LWR_4_PLUS.id { 0.0 } else { PI };
     Pose::rotation(nalgebra::Vector3::z() * turn)
@@ -104,7 +106,7 @@ fn compared(arm: &ArmModel, row: &Row, ours: &[f64; 7]) -> Verdict {
     let apart = angular(ours, &row.joints);
     let mut limits = row.joints.iter().zip(arm.limits);
     let in_range = limits.all(|(joint, axis)| axis.position.contains(*joint));
-    // What a pose is off, a nearly straight joint makes larger in its neighbours' turns.
+    // A nearly straight joint amplifies the error of the pose in the rotations of the adjacent joints.
     let bend = [1, 3, 5]
         .map(|axis| libm::sin(row.joints[axis]).abs())
         .into_iter()
@@ -121,12 +123,12 @@ fn compared(arm: &ArmModel, row: &Row, ours: &[f64; 7]) -> Verdict {
     }
 }
 
-/// How far the recorded joints are off the pose they were to reach.
+/// Returns the distance between the recorded pose and the pose of the recorded joints.
 fn miss(arm: &ArmModel, row: &Row) -> f64 {
     distance(&forward(arm, &row.joints), &row.flange)
 }
 
-/// Largest difference of two sets of joints, whole turns left aside.
+/// Returns the largest difference of two sets of joints, modulo full turns.
 fn angular(one: &[f64; 7], other: &[f64; 7]) -> f64 {
     let turns = one
         .iter()

@@ -1,4 +1,4 @@
-//! The closed forms of six-axis arms: exact, complete, true to the hint.
+//! Tests of the closed forms for six-axis arms: exactness, completeness and choice by the hint.
 
 mod common;
 

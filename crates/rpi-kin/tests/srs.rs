@@ -1,4 +1,5 @@
-//! The S-R-S inverse: exact, within limits, true to the hint, and silent only where there is nothing to say.
+//! Tests of the S-R-S inverse kinematics: exactness, limits, choice by the hint, and errors only where there is no
+//! solution.
 
 mod common;
 
@@ -30,7 +31,7 @@ fn within(arm: &ArmModel, joints: &Joints) -> bool {
         .all(|(joint, range)| range.contains(*joint))
 }
 
-/// Reaches the pose of `joints` from `hint` and returns the choice after checking that it is exact and in limits.
+/// Solves the pose of `joints` with `hint`. Returns the joint values after a check of exactness and limits.
 fn reached(arm: &ArmModel, joints: &Joints, hint: &Joints) -> Joints {
     let pose = arm.forward(joints);
     let found = arm
@@ -92,7 +93,8 @@ fn straight_and_nearly_straight_joints_are_reached_exactly() {
                 }
             }
             let found = reached(arm, &joints, &joints);
-            // Two tiny bends cannot be told from each other by the pose; their turns may then be shared differently.
+            // The pose does not distinguish two tiny bends; the rotations next to them may then be distributed
+            // differently.
             let tiny = [1, 3, 5]
                 .into_iter()
                 .filter(|axis| joints[*axis].abs() < 1e-5);
@@ -132,7 +134,8 @@ fn a_small_step_of_the_flange_is_a_small_step_of_the_joints() {
     }
 }
 
-/// The arm angle is measured from the vertical plane, which turns fast where the wrist is nearly above the shoulder.
+/// Returns whether the wrist is nearly above the shoulder. The arm angle is measured from the vertical plane, which
+/// rotates fast there.
 fn shoulder_to_wrist_is_steep(arm: &ArmModel, joints: &Joints) -> bool {
     let wrist = arm
         .chain
@@ -184,7 +187,7 @@ fn the_arm_angle_is_moved_no_farther_than_needed() {
             let choice = geometry
                 .inverse(&flange, &hint, &ranges)
                 .expect("reachable");
-            // Half way back there is no solution on this branch.
+            // At half of the way back there is no solution on this branch.
             for part in [0.25, 0.5, 0.9] {
                 let angle = choice.arm_angle - choice.moved * part;
                 let all = geometry.branches(&flange, angle).expect("same reach");
@@ -272,7 +275,7 @@ fn outstretched_is_reached_and_a_hair_farther_is_not() {
 #[test]
 fn what_only_a_joint_out_of_range_could_reach_is_refused() {
     for arm in ARMS {
-        // Folded: the elbow would have to bend by 170 degrees, and may by 120.
+        // Folded arm: the elbow would have to bend by 170°, but its limit is 120°.
         let folded = [0.3, 0.5, -0.2, 170.0_f64.to_radians(), 0.1, 0.4, 0.0];
         let pose = arm.forward(&folded);
         assert_eq!(
@@ -326,7 +329,8 @@ fn a_wrist_above_the_shoulder_is_no_special_case() {
     for arm in ARMS {
         let sense = geometry(arm).sense;
         for round in 0..2_000 {
-            // Upper arm out by as much as the forearm comes back: the wrist stands above the shoulder, or nearly so.
+            // The forearm returns as far as the upper arm reaches out, so the wrist is above the shoulder, or nearly
+            // so.
             let bend = random.between(0.2, 1.5);
             let lift = geometry(arm).fore * libm::sin(bend)
                 / (geometry(arm).upper + geometry(arm).fore * libm::cos(bend));

@@ -1,4 +1,4 @@
-//! The way to rest: it ends at rest, keeps its limits all the way, and takes no longer than it must.
+//! Tests of the stop of an axis: it ends at rest, keeps its limits and is time-optimal.
 
 mod common;
 
@@ -87,16 +87,17 @@ fn known_stops_take_their_known_time() {
         velocity,
         acceleration,
     };
-    // Full braking: up to 2 in 0.5 s, held for 1 s, down in 0.5 s: 0.5 + 2 + 0.5 = 3 of velocity.
+    // Full braking: deceleration up to 2 in 0.5 s, constant for 1 s, down in 0.5 s. The change of velocity is 0.5 + 2 +
+    // 0.5 = 3.
     let full = Stop::new(at(3.0, 0.0), 2.0, 4.0).expect("good numbers");
     assert!((full.duration() - 2.0).abs() < 1e-12 && (full.distance() - 3.0).abs() < 1e-12);
-    // Too slow for full braking: peak sqrt(j v) = 2 of 10.
+    // Too slow for full braking: the peak deceleration is sqrt(j v) = 2, not 10.
     let brief = Stop::new(at(-1.0, 0.0), 10.0, 4.0).expect("good numbers");
     assert!((brief.duration() - 1.0).abs() < 1e-12 && (brief.distance() + 0.5).abs() < 1e-12);
-    // The acceleration alone runs out into rest.
+    // The decay of the acceleration alone leads to rest.
     let falling = Stop::new(at(0.5, -2.0), 2.0, 4.0).expect("good numbers");
     assert!((falling.duration() - 0.5).abs() < 1e-12);
-    // Without a jerk limit it is plain braking.
+    // Without a jerk limit, the deceleration is constant.
     let plain = Stop::new(at(-3.0, 1.0), 2.0, f64::INFINITY).expect("good numbers");
     assert!((plain.duration() - 1.5).abs() < 1e-12 && (plain.distance() + 2.25).abs() < 1e-12);
     assert_eq!(

@@ -1,88 +1,88 @@
-//! What a program claims of itself: assertions and contracts, as far as the net publishes whether they hold.
+//! Claims: assertions and contracts of a program, as far as the net publishes whether they hold.
 //!
-//! A claim is an export of its own, and one for each flow that it reads. Whoever runs the net can watch them; nothing in
-//! the net depends on them.
+//! A claim is an export, with a further export for each flow that it reads. Monitors of a running net can observe them;
+//! no node of the net depends on them.
 
 use rpi_diag::Span;
 
-/// By whom a claim must hold.
+/// Kind of a claim, which decides who must ensure it.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum ClaimKind {
-    /// `assert`: it holds by the writer's word.
+    /// `assert`: assumed to hold without proof.
     Assert,
-    /// `check`: it follows from the rest of the body.
+    /// `check`: must follow from the rest of the body.
     Check,
-    /// `assume`: the caller sees to it.
+    /// `assume`: ensured by the caller.
     Assume,
-    /// `guarantee`, and `ensure` of a mode: the body sees to it as long as the caller does its part.
+    /// `guarantee`, or `ensure` of a mode: ensured by the body as long as the caller's assumptions hold.
     Guarantee,
-    /// The caller keeps to some mode of the contract.
+    /// Completeness of modes: the caller always satisfies some mode of the contract.
     Modes,
 }
 
 impl ClaimKind {
-    /// Whether the rest of the program may rely on it.
+    /// Whether the rest of the program may rely on the claim.
     #[must_use]
     pub fn is_given(self) -> bool {
         matches!(self, ClaimKind::Assert | ClaimKind::Assume)
     }
 }
 
-/// A claim that a net publishes.
+/// Claim that a net publishes.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Claim {
-    /// The export that says whether it holds; there is none if it holds in every cycle.
+    /// Key of the Boolean export of the claim. A claim that always holds has no such export.
     pub key: String,
-    /// By whom it must hold.
+    /// Kind of the claim.
     pub kind: ClaimKind,
-    /// Path of the call that it stands in; empty for what is run.
+    /// Path of the call that contains the claim; empty for the unit that is run.
     pub path: String,
-    /// The name of what it is claimed of.
+    /// Name of the unit whose claim this is.
     pub of: String,
-    /// The mode of the contract whose `ensure` it is.
+    /// Mode of the contract, for the `ensure` of a mode.
     pub mode: Option<String>,
-    /// Its label, if it has one.
+    /// Label of the claim, if it has one.
     pub label: Option<String>,
-    /// Where it stands.
+    /// Location of the claim in the source text.
     pub span: Span,
-    /// Whether it is about earlier cycles, too.
+    /// Whether the claim also reads values of earlier cycles.
     pub looks_back: bool,
-    /// Whether what it reads must have a value in every cycle. In Lustre it need not: a claim about the cycle before says nothing
-    /// of the first one there.
+    /// Whether all flows that the claim reads must have a value in every cycle. In Lustre they need not: there, a claim
+    /// about the previous cycle is vacuous in the first cycle.
     pub is_strict: bool,
-    /// The flows that it reads.
+    /// Flows that the claim reads.
     pub reads: Vec<ClaimRead>,
 }
 
-/// A flow that a claim reads.
+/// Flow that a claim reads.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct ClaimRead {
-    /// Its name where the claim stands.
+    /// Name of the flow in the scope of the claim.
     pub name: String,
-    /// Its export.
+    /// Key of the flow's export.
     pub key: String,
-    /// Its unit, `[m/s]`; empty if it has none.
+    /// Unit of the flow, `[m/s]`; empty if it has none.
     pub unit: String,
-    /// The names of its values, if it is an enum.
+    /// Names of the enum's values; empty for other types.
     pub values: Vec<String>,
 }
 
-/// How the keys of all exports begin that are there for the sake of claims; no key of a program holds a blank.
+/// Prefix of the keys of all exports that exist only for claims. No key of a program contains a space.
 const PREFIX: &str = "claim ";
 
-/// The key of the claim of this number.
+/// Returns the key of the claim with this number.
 #[must_use]
 pub fn claim_key(number: usize) -> String {
     format!("{PREFIX}{number}")
 }
 
-/// The key of a flow that a claim reads.
+/// Returns the key of a flow that a claim reads.
 #[must_use]
 pub fn read_key(claim: &str, flow: &str) -> String {
     format!("{claim}: {flow}")
 }
 
-/// Whether an export is there only for the sake of a claim.
+/// Whether an export exists only for a claim.
 #[must_use]
 pub fn is_for_claim(key: &str) -> bool {
     key.starts_with(PREFIX)

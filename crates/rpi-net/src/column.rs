@@ -1,29 +1,29 @@
-//! One leaf of a port of a node that runs by itself, as it stands in a table of samples: a column.
+//! Columns of sample tables: one scalar leaf of an input or output of a net that runs stand-alone.
 
 use crate::literal;
 use rpi_image::{Scalar, Type};
 
-/// A column: its name, and how its values are written.
+/// Name and value format of one column of a sample table.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Column {
-    /// The flow's name, with the path to the leaf: `x`, `x.field`, `x[2].field`.
+    /// Flow name with the path to the leaf: `x`, `x.field`, `x[2].field`.
     pub key: String,
-    /// The machine type.
+    /// Machine type of the leaf.
     pub ty: Scalar,
-    /// The values of an enum in their order; empty for all other types.
+    /// Names of the enum's values in declaration order; empty for all other types.
     pub values: Vec<String>,
     /// Whether the flow may be absent.
     pub optional: bool,
-    /// The least and the greatest value of an integer of a subrange.
+    /// Inclusive bounds of an integer subrange, `[min, max]`.
     pub range: Option<[i64; 2]>,
 }
 
 impl Column {
-    /// The cells of a value: `true` or `false`, an integer, a real, a value of the enum or its number, else a literal of
-    /// the net's text form.
+    /// Parses a value to its memory slots. Accepts `true` or `false`, an integer, a real, an enum value by name or
+    /// number, or else a literal of the net's text form.
     ///
     /// # Errors
-    /// If the text is no value of the type; says what would be one.
+    /// Returns the expected form if the text is not a value of this type.
     pub fn read(&self, text: &str) -> Result<Vec<u64>, String> {
         let cell = match self.ty {
             Scalar::Bool => truth(text).map(u64::from),
@@ -39,7 +39,7 @@ impl Column {
         let named = self.values.iter().position(|value| value == text);
         match named.and_then(|place| i64::try_from(place).ok()) {
             Some(place) => Some(place),
-            // Also one beyond the last value: traces of Lustre V6 have such.
+            // Numbers beyond the last enum value are accepted as well: traces of Lustre V6 contain them.
             None => text.parse().ok(),
         }
     }
@@ -47,8 +47,11 @@ impl Column {
     fn literal(&self, text: &str) -> Result<Vec<u64>, String> {
         match literal::read(text, Type::One(self.ty)) {
             Ok(Some(value)) => Ok(value.cells().to_vec()),
-            Ok(None) => Err("a value is needed".to_owned()),
-            Err(error) => Err(format!("`{text}` is no {}: {error}", self.ty.name())),
+            Ok(None) => Err("expected a value, found `null`".to_owned()),
+            Err(error) => Err(format!(
+                "`{text}` is not a valid {}: {error}",
+                self.ty.name()
+            )),
         }
     }
 
@@ -61,7 +64,7 @@ impl Column {
         }
     }
 
-    /// The text of a value; reals so that they read back as the same bits.
+    /// Formats a value. Reals are written such that they parse to the same bits.
     #[must_use]
     pub fn write(&self, cells: &[u64]) -> String {
         let cell = cells.first().copied().unwrap_or_default();
@@ -79,7 +82,7 @@ impl Column {
     }
 }
 
-/// A real; digits that none can hold are none, `inf` is.
+/// Parses a real. Digits that overflow to infinity are rejected; `inf` is accepted.
 fn real(text: &str) -> Option<f64> {
     let value: f64 = text.parse().ok()?;
     let is_held = value.is_finite() || !text.contains(|c: char| c.is_ascii_digit());

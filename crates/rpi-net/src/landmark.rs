@@ -1,55 +1,55 @@
-//! Where a net came from: for those who watch what of a program's text a run reaches.
+//! Coverage points of a net: the parts of a program's text whose execution a coverage report counts.
 
 use crate::net::{FragmentId, Input};
 use rpi_diag::Span;
 
-/// What was made from which place of the text; of what is called several times there are as many entries.
+/// Coverage points of a program text. A unit that is called several times has an entry per call.
 #[derive(Clone, PartialEq, Default, Debug)]
 pub struct Landmarks {
-    /// The names of all that was called, where it is declared.
+    /// Declaration sites of the names of all called units.
     pub called: Vec<Span>,
-    /// The choices, those inside another one after it.
+    /// Decisions (`if`); a nested decision comes after the enclosing one.
     pub choices: Vec<Choice>,
-    /// What may leave the states of its automata.
+    /// Possible transitions out of the states of automata.
     pub exits: Vec<Exits>,
 }
 
-/// An `if`.
+/// Decision of an `if`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Choice {
-    /// What decides: a Boolean.
+    /// Boolean that decides.
     pub condition: Input,
-    /// Where it is made.
+    /// Fragment in which the condition is evaluated.
     pub fragment: FragmentId,
-    /// The branch of another choice that it belongs to.
+    /// Branch of an enclosing decision that contains this one.
     pub side: Option<Side>,
-    /// All of it.
+    /// Location of the whole `if`.
     pub span: Span,
 }
 
-/// A branch of a choice.
+/// One branch of a decision.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Side {
-    /// Which choice, by its place in [`Landmarks::choices`].
+    /// Index of the decision in [`Landmarks::choices`].
     pub choice: u32,
-    /// The condition for which the branch is taken.
+    /// Value of the condition for which the branch is taken.
     pub taken_if: bool,
 }
 
-/// What may leave a state of an automaton at one end of a cycle: for those who watch a run.
+/// Transitions out of one state of an automaton at the start or at the end of a cycle.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Exits {
-    /// Whether the automaton is in that state: a Boolean.
+    /// Boolean that is true while the automaton is in the state.
     pub here: Input,
-    /// The transitions in the order in which they are tried: the first one whose condition holds is taken.
+    /// Transitions in priority order: the first one with a true condition is taken.
     pub transitions: Vec<Exit>,
 }
 
-/// A transition out of a state.
+/// Transition out of a state.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Exit {
-    /// When: a Boolean.
+    /// Boolean condition of the transition.
     pub condition: Input,
-    /// The transition.
+    /// Location of the transition in the source text.
     pub span: Span,
 }

@@ -1,8 +1,8 @@
-//! The net: primitives joined by typed links in a tree of fragments.
+//! Dataflow nets: primitives joined by typed links in a tree of fragments, and the passes that check them.
 //!
-//! Both ways into the compiler end here: `.rpi` programs are elaborated to a [`Net`], `.rpinet` files are read as one.
-//! Everything after this crate (lowering, running) sees only a net that has passed [`passes`]. A net must not know
-//! syntax trees or the image; where it came from is an [`Origin`] per node and nothing more.
+//! Both front ends produce a [`Net`]: `.rpi` programs are elaborated to one, `.rpinet` files are parsed as one. The
+//! later stages (lowering, execution) accept only nets that have passed [`passes`]. A net does not depend on syntax
+//! trees or on the image; each node records its source as an [`Origin`].
 
 pub mod claim;
 mod column;

@@ -1,6 +1,6 @@
-//! Values as texts, in the form of the reference system: parameters of nets and recorded traces.
+//! Text form of values, as in the reference system: parameters of nets and recorded traces.
 //!
-//! Truth values are `true` and `false`, reals may be `nan`, `+inf` and `-inf`, structured values are written
+//! Booleans are `true` and `false`, reals may be `nan`, `+inf` and `-inf`, structured values are written
 //! `{x:1.0,y:2.0,z:3.0}`, arrays `[1,2]`, an absent value `null`. Rotations are Euler angles in radians about z, then
 //! y, then x of the turned frame (`{a:..,b:..,c:..}`). Times are milliseconds since the Unix epoch.
 
@@ -17,12 +17,12 @@ mod write;
 use tree::Tree;
 pub use write::{angles, write};
 
-/// Why a text is no value of the type asked for.
+/// Error for a text that is not a value of the expected type.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct LiteralError {
-    /// Byte in the text from which on it cannot be read.
+    /// Byte offset in the text at which the error begins.
     pub at: usize,
-    /// What is wrong.
+    /// Description of the error.
     pub message: String,
 }
 
@@ -43,10 +43,10 @@ impl fmt::Display for LiteralError {
 
 impl std::error::Error for LiteralError {}
 
-/// Reads one value of a scalar type; `None` for `null`.
+/// Parses one value of a scalar type; `None` for `null`.
 ///
 /// # Errors
-/// If the text is not of that type.
+/// Returns an error if the text is not a value of this type.
 pub fn read_one(text: &str, scalar: Scalar) -> Result<Option<Value>, LiteralError> {
     let tree = tree::parse(text)?;
     Ok(element(&tree, scalar)?.map(|cells| Value::Cells {
@@ -55,10 +55,10 @@ pub fn read_one(text: &str, scalar: Scalar) -> Result<Option<Value>, LiteralErro
     }))
 }
 
-/// Reads an array of any length; elements that are `null` are `None`. `None` for `null` in place of the array.
+/// Parses an array of any length; `null` elements become `None`. Returns `None` for `null` in place of the array.
 ///
 /// # Errors
-/// If the text is no array of that element type.
+/// Returns an error if the text is not an array of this element type.
 pub fn read_array(text: &str, scalar: Scalar) -> Result<Option<Vec<Option<Value>>>, LiteralError> {
     let tree = tree::parse(text)?;
     if tree.is_null() {
@@ -75,10 +75,11 @@ pub fn read_array(text: &str, scalar: Scalar) -> Result<Option<Vec<Option<Value>
         .map(Some)
 }
 
-/// Reads a value of a flow type; `None` for `null` and for an array with a `null` in it, which no flow can carry.
+/// Parses a value of a flow type. Returns `None` for `null` and for an array with a `null` element: no flow can carry
+/// these.
 ///
 /// # Errors
-/// If the text is not of that type, or an array of another length.
+/// Returns an error if the text is not of this type, or is an array of another length.
 pub fn read(text: &str, ty: Type) -> Result<Option<Value>, LiteralError> {
     let (scalar, len) = match ty {
         Type::One(scalar) => return read_one(text, scalar),
@@ -90,7 +91,7 @@ pub fn read(text: &str, ty: Type) -> Result<Option<Value>, LiteralError> {
     };
     if elements.len() != len as usize {
         let message = format!(
-            "{} where {ty} has {len}",
+            "expected {len} for {ty}, found {}",
             rpi_diag::counted(elements.len(), "element")
         );
         return Err(LiteralError::new(0, message));
@@ -112,7 +113,7 @@ fn element(tree: &Tree<'_>, scalar: Scalar) -> Result<Option<Bits>, LiteralError
 fn cells(tree: &Tree<'_>, scalar: Scalar) -> Result<Bits, LiteralError> {
     Ok(match scalar {
         Scalar::Bool => smallvec![u64::from(tree.word("true or false", truth)?)],
-        Scalar::Int => smallvec![tree.word("a whole number", whole)?.cast_unsigned()],
+        Scalar::Int => smallvec![tree.word("an integer", whole)?.cast_unsigned()],
         Scalar::Time => smallvec![tree.word("a time in milliseconds", millis)?.cast_unsigned()],
         Scalar::Real => smallvec![real(tree)?.to_bits()],
         Scalar::Vector => reals(tree, &["x", "y", "z"])?,
@@ -147,7 +148,7 @@ fn reals(tree: &Tree<'_>, keys: &[&'static str; 3]) -> Result<Bits, LiteralError
     fields.iter().map(|f| Ok(real(f)?.to_bits())).collect()
 }
 
-/// A number; one that is too large for a real is not infinite, which is a word of its own.
+/// Parses a real. Digits that overflow to infinity are an error; infinity has the literal `inf`.
 fn real(tree: &Tree<'_>) -> Result<f64, LiteralError> {
     let value: f64 = tree.word("a number", |w| w.parse().ok())?;
     let is_meant = |word: &str| value.is_finite() || !word.contains(|c: char| c.is_ascii_digit());
@@ -164,7 +165,7 @@ fn whole(word: &str) -> Option<i64> {
     word.parse().ok()
 }
 
-/// Milliseconds, with at most six digits after the point, in nanoseconds.
+/// Parses a time in milliseconds, with at most six digits after the point, to nanoseconds.
 fn millis(word: &str) -> Option<i64> {
     let (whole, part) = word.split_once('.').unwrap_or((word, ""));
     let digits = part.bytes().all(|b| b.is_ascii_digit());

@@ -1,4 +1,4 @@
-//! The net itself: plain data, built by the elaboration or the `.rpinet` reader, read by every pass.
+//! Data model of a net: plain data, built by elaboration or by the `.rpinet` reader and read by every pass.
 
 use crate::claim::Claim;
 use crate::landmark::Landmarks;
@@ -13,7 +13,7 @@ use std::collections::BTreeSet;
 pub struct NodeId(pub u32);
 
 impl NodeId {
-    /// Its place in a table with one entry per node.
+    /// Index of the node in a table with one entry per node.
     #[must_use]
     pub const fn index(self) -> usize {
         self.0 as usize
@@ -25,47 +25,47 @@ impl NodeId {
 pub struct FragmentId(pub u32);
 
 impl FragmentId {
-    /// The command's own fragment, always active.
+    /// Root fragment of a command; always active.
     pub const ROOT: FragmentId = FragmentId(0);
 
-    /// Its place in a table with one entry per fragment.
+    /// Index of the fragment in a table with one entry per fragment.
     #[must_use]
     pub const fn index(self) -> usize {
         self.0 as usize
     }
 }
 
-/// An out-port of a node.
+/// Reference to an out-port of a node.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub struct PortRef {
-    /// The node.
+    /// Node that owns the port.
     pub node: NodeId,
-    /// Index into its descriptor's outputs.
+    /// Index of the port in the outputs of the node's [`PrimDesc`].
     pub port: u8,
 }
 
-/// What an in-port reads.
+/// Source of an in-port.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Input {
-    /// Nothing: allowed where the descriptor says [`rpi_image::Need::Absent`].
+    /// Not connected: allowed where the descriptor says [`rpi_image::Need::Absent`].
     Open,
-    /// A constant: a parameter standing in for an open port, or a literal operand.
+    /// Constant: a parameter that replaces an unconnected port, or a literal operand.
     Const(Box<Value>),
-    /// An out-port of a node in the same fragment, an enclosing one, or (then it may be absent) any other one.
-    /// Links cross fragment borders freely; the border's ports are derived, or named in [`Fragment::outputs`].
+    /// Out-port of a node in the same fragment, an enclosing one, or any other one (then the value may be absent).
+    /// Links cross fragment borders freely; the ports on a border are derived, or named in [`Fragment::outputs`].
     Port(PortRef),
 }
 
-/// Where a node comes from, for messages, traces and the debugger.
+/// Source of a node, for messages, traces and the debugger.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Origin {
-    /// Place in a source text ([`Span::NONE`] if there is none).
+    /// Location in a source text; [`Span::NONE`] if there is none.
     pub span: Span,
-    /// The flow's name as its author knows it, if it has one; those of flows in calls without a name are numbered.
+    /// Name of the flow in the source, if it has one; flows in unnamed calls have a numbered call as prefix (`y#0.k`).
     pub flow: Option<String>,
 }
 
-/// A flow's name without the calls around it that have none: of `y#0.k`, in the first call in the equation of `y`, `k`.
+/// Returns a flow's name without its unnamed calls: `k` for `y#0.k`, the flow `k` in the first call in `y`'s equation.
 #[must_use]
 pub fn without_calls(flow: &str) -> String {
     let named: Vec<&str> = flow.split('.').filter(|part| !part.contains('#')).collect();
@@ -75,202 +75,204 @@ pub fn without_calls(flow: &str) -> String {
     }
 }
 
-/// The types of some ports; one, as most primitives have, lies in place.
+/// Types of some ports. One is stored inline, since most primitives have one output.
 pub type Types = SmallVec<[Type; 1]>;
 
-/// What the in-ports of a primitive read; three, as few exceed, lie in place.
+/// Sources of the in-ports of a primitive. Three are stored inline, since few primitives have more.
 pub type Inputs = SmallVec<[Input; 3]>;
 
-/// A primitive in a net.
+/// Instance of a primitive in a net.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Node {
-    /// Name, unique within its fragment.
+    /// Name of the node, unique within its fragment.
     pub name: String,
-    /// What it is.
+    /// Primitive that the node is an instance of.
     pub prim: PrimId,
-    /// The fragment it stands in.
+    /// Fragment that directly contains the node.
     pub fragment: FragmentId,
-    /// One entry per declared in-port.
+    /// Source of each declared in-port.
     pub inputs: Inputs,
-    /// One entry per declared parameter, defaults filled in.
+    /// Value of each declared parameter, with defaults filled in.
     pub params: Vec<Value>,
-    /// Type of each declared out-port, sizes resolved.
+    /// Type of each declared out-port, with sizes resolved.
     pub outputs: Types,
-    /// Where it comes from.
+    /// Source of the node in the program text.
     pub origin: Origin,
 }
 
 impl Node {
-    /// The primitive's declaration.
+    /// Descriptor of the node's primitive.
     #[must_use]
     pub fn desc(&self) -> &'static PrimDesc {
         self.prim.desc()
     }
 }
 
-/// A part of a net that is active or not as a whole.
+/// Part of a net that is active or inactive as a whole.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Fragment {
-    /// Name, unique within its parent; empty for the root.
+    /// Name of the fragment, unique within its parent; empty for the root.
     pub name: String,
-    /// The enclosing fragment; none for the root.
+    /// Enclosing fragment; `None` for the root.
     pub parent: Option<FragmentId>,
-    /// When it is evaluated.
+    /// Cycles in which the fragment is evaluated.
     pub activation: Activation,
-    /// When its state starts afresh.
+    /// Cycles in which the state of the fragment is reset.
     pub restart: Restart,
-    /// Whether it only gathers operations of one clock: then it is no vertex for what is around it, each of its operations
-    /// waits for what that operation reads, and it may be entered several times in a cycle.
+    /// Whether the fragment only groups operations of one clock. Such a fragment is not a vertex of the dependency
+    /// graph: each of its operations waits only for its own inputs, and the fragment may be entered several times in a
+    /// cycle.
     pub is_clock: bool,
-    /// Ports that the source declares; a declared in-port is a dependency of the fragment even if nothing inside reads it.
+    /// In-ports declared in the source. A declared in-port is a dependency of the fragment even if no node in it reads
+    /// the port.
     pub inputs: Vec<FragmentPort>,
-    /// Named out-ports (the root's are the command's own).
+    /// Named out-ports; those of the root are the out-ports of the command.
     pub outputs: Vec<FragmentPort>,
-    /// Stated budget in nanoseconds.
+    /// Declared execution time budget in nanoseconds.
     pub budget_ns: Option<u64>,
-    /// Where it comes from.
+    /// Source of the fragment in the program text.
     pub origin: Origin,
 }
 
-/// A named port on a fragment's border: an alias, no delay.
+/// Named port on the border of a fragment: an alias without delay.
 #[derive(Clone, PartialEq, Debug)]
 pub struct FragmentPort {
-    /// Its name.
+    /// Name of the port.
     pub name: String,
-    /// What runs through it.
+    /// Flow or constant that the port carries.
     pub source: Input,
 }
 
-/// When a fragment is evaluated, given that its parent is.
+/// Cycles in which a fragment is evaluated, given that its parent is evaluated.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Activation {
-    /// In every cycle.
+    /// Active in every cycle of the parent.
     Always,
-    /// In cycles in which the Boolean is true.
+    /// Active in cycles in which the condition is true.
     When {
-        /// The Boolean, computed in an enclosing fragment (or in a sibling, then it may be absent).
+        /// Boolean flow, computed in an enclosing fragment or in a sibling. A flow of a sibling may be absent.
         condition: PortRef,
-        /// What an absent condition means.
+        /// Meaning of an absent condition.
         absent: Absent,
     },
 }
 
-/// What an absent activation means: programs need a total condition; imported nets run.
+/// Meaning of an absent activation condition. Programs need a total condition; in imported nets the fragment runs.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Absent {
-    /// The fragment is inactive.
+    /// An absent condition leaves the fragment inactive.
     Inactive,
-    /// The fragment is active.
+    /// An absent condition makes the fragment active.
     Active,
 }
 
-/// When a fragment's state starts afresh.
+/// Cycles in which the state of a fragment is reset.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Restart {
-    /// Never: it resumes.
+    /// Never: the fragment resumes with its last state.
     Never,
-    /// In each cycle in which it becomes active after it was not.
+    /// In each cycle in which the fragment becomes active after an inactive cycle.
     OnActivation,
     /// In each active cycle in which the Boolean is true.
     Every(PortRef),
 }
 
-/// How a command can end.
+/// Kind of a result with which a command ends.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum ResultKind {
-    /// Everything at rest.
+    /// `finish`: the robot is at rest.
     Finish,
-    /// Maybe in motion, only into a successor.
+    /// `yield`: the robot may be in motion; taken only if a successor takes over.
     Yield,
-    /// With an error.
+    /// `fail`: the command ends with an error.
     Fail,
 }
 
-/// A named result of a command, in text order.
+/// Named result of a command. Results are stored in text order.
 #[derive(Clone, PartialEq, Debug)]
 pub struct ResultPort {
-    /// Its name.
+    /// Name of the result.
     pub name: String,
-    /// Its kind.
+    /// Kind of the result.
     pub kind: ResultKind,
-    /// The Boolean that ends the command.
+    /// Boolean that ends the command with this result.
     pub condition: Input,
-    /// Where it comes from.
+    /// Source of the result in the program text.
     pub origin: Origin,
 }
 
-/// A flow that is published after each cycle.
+/// Flow that is published after each cycle.
 #[derive(Clone, PartialEq, Debug)]
 pub struct ExportPort {
-    /// Its key.
+    /// Key under which the flow is published.
     pub key: String,
-    /// The flow.
+    /// Published flow.
     pub source: PortRef,
-    /// Where it comes from.
+    /// Source of the export in the program text.
     pub origin: Origin,
 }
 
-/// How a net says that it has ended.
+/// Signals by which a net ends.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Driver {
-    /// By named results (commands of `.rpi`).
+    /// Named results (commands of `.rpi`).
     Results(Vec<ResultPort>),
-    /// By the reference's root ports: `outTerminate` ends it, `outFail` is its error number (0: none).
+    /// Root ports of the reference system: `outTerminate` ends the net, `outFail` is its error number (0: no error).
     Ports {
-        /// `outTerminate`, if there is one.
+        /// Source of `outTerminate`, if the net has this port.
         terminate: Option<Input>,
-        /// `outFail`, if there is one.
+        /// Source of `outFail`, if the net has this port.
         fail: Option<Input>,
     },
 }
 
-/// Ports of one actuator of a device, of which a command drives at most one in a cycle.
+/// Ports of a device that drive the same actuator: a command may write at most one of them in a cycle.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Alternatives {
-    /// The device.
+    /// Name of the device.
     pub device: String,
-    /// Its ports.
+    /// Names of the mutually exclusive ports.
     pub ports: Vec<String>,
 }
 
-/// An input that a command takes over from the one before it when it starts, and that is set from outside if there is none.
+/// Input of a command: taken over from the previous command at the start, set from outside if there is none.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Given {
-    /// The input's key.
+    /// Key of the input.
     pub key: String,
-    /// It has no default: somebody has to give it.
+    /// Whether the input has no default, so that a value must be supplied.
     pub is_needed: bool,
 }
 
-/// A net: one command, ready for the passes.
+/// Dataflow net of one command, ready for the passes.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Net {
-    /// The command's name, or the file's.
+    /// Name of the command, or of the file.
     pub name: String,
-    /// All nodes. Order is declaration order, which breaks ties in schedules.
+    /// All nodes in declaration order, which breaks ties in schedules.
     pub nodes: Vec<Node>,
-    /// All fragments; the first is the root, parents come before children.
+    /// All fragments. The first is the root; parents come before children.
     pub fragments: Vec<Fragment>,
-    /// How it ends.
+    /// Signals by which the net ends.
     pub driver: Driver,
-    /// What it takes over from the command before it.
+    /// Inputs that the net takes over from the previous command.
     pub given: Vec<Given>,
-    /// What it publishes besides the primitives with an export role.
+    /// Flows that the net publishes besides the primitives with an export role.
     pub exports: Vec<ExportPort>,
-    /// Ports of devices that exclude each other.
+    /// Groups of mutually exclusive device ports.
     pub alternatives: Vec<Alternatives>,
-    /// What the program claims of itself, as far as that is published.
+    /// Assertions and contracts of the program, as far as the net publishes them.
     pub claims: Vec<Claim>,
-    /// What was made from which place of the text, where that was asked for.
+    /// Coverage points of the program text; empty unless they were requested.
     pub landmarks: Landmarks,
-    /// Places in fragments where the delay of a fragment around them is read (`last x`).
+    /// Locations in a fragment at which the delay of an enclosing fragment is read (`last x`).
     pub outer_delays: BTreeSet<Span>,
-    /// Whether it is a test: one that does not finish fails when it runs.
+    /// Whether the net is a test. A test that does not finish counts as failed.
     pub is_test: bool,
 }
 
 impl Net {
-    /// An empty net of this name with a root fragment.
+    /// Returns an empty net with the given name and a root fragment.
     #[must_use]
     pub fn new(name: impl Into<String>) -> Self {
         let root = Fragment {
@@ -305,24 +307,24 @@ impl Net {
         }
     }
 
-    /// The node of this index.
+    /// Returns the node with this index.
     #[must_use]
     pub fn node(&self, id: NodeId) -> &Node {
         &self.nodes[id.index()]
     }
 
-    /// The fragment of this index.
+    /// Returns the fragment with this index.
     #[must_use]
     pub fn fragment(&self, id: FragmentId) -> &Fragment {
         &self.fragments[id.index()]
     }
 
-    /// All node indices in declaration order.
+    /// Returns all node indices in declaration order.
     pub fn node_ids(&self) -> impl DoubleEndedIterator<Item = NodeId> + use<> {
         (0..u32::try_from(self.nodes.len()).unwrap_or(u32::MAX)).map(NodeId)
     }
 
-    /// All fragment indices, parents before children.
+    /// Returns all fragment indices, parents before children.
     pub fn fragment_ids(&self) -> impl DoubleEndedIterator<Item = FragmentId> + use<> {
         (0..u32::try_from(self.fragments.len()).unwrap_or(u32::MAX)).map(FragmentId)
     }
@@ -343,12 +345,12 @@ impl Net {
         id
     }
 
-    /// A fragment and all that enclose it, innermost first.
+    /// Returns a fragment and all fragments that enclose it, innermost first.
     pub fn enclosing(&self, id: FragmentId) -> impl Iterator<Item = FragmentId> + '_ {
         std::iter::successors(Some(id), |f| self.fragment(*f).parent)
     }
 
-    /// The path of a fragment or node name, `outer/inner/name`.
+    /// Returns the path of a fragment or node name, `outer/inner/name`. The nameless root is left out.
     #[must_use]
     pub fn path(&self, fragment: FragmentId, name: &str) -> String {
         let mut parts: Vec<&str> = self

@@ -1,56 +1,56 @@
-//! Which command follows which result: the nodes of a task's plan, over whatever stands for a command there: its name in a
-//! program, its place in a list of images where it is run.
+//! Task plans: a graph that says which command follows which result. It is generic over the reference to a command: a
+//! name in a program, or an index into a list of images at run time.
 
-/// Where a plan goes on; none: it is done.
+/// Index of the next plan node; `None` ends the plan.
 pub type Target = Option<usize>;
 
-/// A node of a plan.
+/// Node of a task plan.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum Node<C> {
-    /// Goes on there.
+    /// Continues at the target.
     Pass(Target),
-    /// A repetition begins: this node counts from 0 again, and it goes on there.
+    /// Enters a loop: resets the counter of this [`Node::Repeat`] to 0 and continues there.
     Enter(usize),
-    /// So many times the body, without a number for ever; then it goes on.
+    /// Loop that runs its body a number of times, then continues.
     Repeat {
-        /// How many times.
+        /// Number of iterations; `None` repeats for ever.
         times: Option<u64>,
-        /// What is repeated.
+        /// First node of the body.
         body: Target,
-        /// What comes then.
+        /// Next node after the last iteration.
         then: Target,
     },
-    /// All of these at once; once each has come to its [`Node::Join`], it goes on.
+    /// Runs several branches at once. Continues when each branch has reached its [`Node::Join`].
     Parallel {
-        /// Where each strand begins.
+        /// First node of each branch.
         strands: Vec<Target>,
-        /// What comes then.
+        /// Next node after all branches have joined.
         then: Target,
     },
-    /// A strand is over, and waits for those beside it.
+    /// End of a parallel branch, which waits for the other branches.
     Join,
-    /// The strands of a parallel are left by an error: the others are asked to end, and then it goes on.
+    /// Exit from parallel branches because of an error: cancels the other branches, then continues.
     Leave {
-        /// The node with the strands.
+        /// Index of the [`Node::Parallel`] that is left.
         parallel: usize,
-        /// What comes then.
+        /// Next node after the exit.
         then: Target,
     },
-    /// A command.
+    /// Runs a command.
     Run {
-        /// Which one.
+        /// Command to run.
         command: C,
-        /// What follows these results.
+        /// Next node for each named result.
         on: Vec<(String, Target)>,
-        /// What follows any other `fail`; none: the task ends with its error.
+        /// Next node for any other `fail` result; `None` ends the task with the command's error.
         on_fail: Option<Target>,
-        /// What follows any other result; none if the branches must name them all.
+        /// Next node for any other result; `None` if the branches must name all results.
         otherwise: Option<Target>,
     },
 }
 
 impl<C> Node<C> {
-    /// The same node over what `of` makes of its command.
+    /// Returns the same node with its command converted by `of`.
     #[must_use]
     pub fn map<D>(&self, of: impl FnOnce(&C) -> D) -> Node<D> {
         match self {

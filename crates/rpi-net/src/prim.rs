@@ -1,6 +1,6 @@
-//! Primitives by their names, where the compiler makes or looks for certain ones.
+//! Macro for primitives with a name that is known at compile time.
 
-/// The [`PrimId`](crate::PrimId) of a registered name, as a constant; a name that is not registered does not compile.
+/// Constant [`PrimId`](crate::PrimId) of a registered primitive name. An unregistered name is a compile-time error.
 #[macro_export]
 macro_rules! prim {
     ($name:literal) => {

@@ -1,13 +1,13 @@
-//! The types of all out-ports: lengths of arrays and shapes of matrices follow from inputs and parameters.
+//! Inference of the types of all out-ports: array lengths and matrix shapes follow from inputs and parameters.
 
 use crate::net::{Input, Net, NodeId, Types};
 use rpi_diag::{Code, Finding};
 use rpi_image::{PortType, PrimDesc, Shape, ShapeArgs, Type};
 
-/// Largest number of cells of one flow.
+/// Maximal number of memory slots of one flow.
 pub const MAX_CELLS: u32 = 1 << 20;
 
-/// Sets the types of all out-ports; a finding per node whose sizes do not fit.
+/// Sets the types of all out-ports. Returns a diagnostic for each node with incompatible sizes.
 #[must_use]
 pub fn infer_shapes(net: &mut Net) -> Vec<Finding> {
     let mut findings = Vec::new();
@@ -21,12 +21,13 @@ pub fn infer_shapes(net: &mut Net) -> Vec<Finding> {
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum State {
     Unseen,
-    /// Its sources are being worked out.
+    /// The shapes of the node's sources are being inferred.
     Open,
     Done,
 }
 
-/// Works out a node after the sources that its shape depends on, by a stack of its own: chains may be long.
+/// Infers the types of a node after those of the sources that its shape depends on. Uses an explicit stack, because
+/// chains of nodes may be long.
 fn infer_from(net: &mut Net, first: NodeId, states: &mut [State], findings: &mut Vec<Finding>) {
     let mut stack = vec![first];
     while let Some(&id) = stack.last() {
@@ -44,7 +45,7 @@ fn infer_from(net: &mut Net, first: NodeId, states: &mut [State], findings: &mut
     }
 }
 
-/// Whether the types stand in the declaration.
+/// Whether the descriptor alone determines the types of all outputs.
 fn is_plain(desc: &PrimDesc) -> bool {
     let single = |ty| matches!(ty, PortType::One(_));
     !matches!(desc.shape, Shape::Of(_)) && desc.outputs.iter().all(|o| single(o.ty))
@@ -82,7 +83,7 @@ fn infer(net: &mut Net, id: NodeId, states: &[State]) -> Option<Finding> {
     }
 }
 
-/// Whether a source has no types, for a reason already reported.
+/// Whether a source has no types because of an error that was already reported.
 fn failed(net: &Net, source: NodeId, states: &[State]) -> bool {
     let source_node = net.node(source);
     let missing = source_node.outputs.len() < source_node.desc().outputs.len();
@@ -104,10 +105,10 @@ fn misfit(net: &Net, id: NodeId) -> Finding {
     let node = net.node(id);
     let path = net.path(node.fragment, &node.name);
     let message = format!(
-        "sizes or indices of `{path}` ({}) do not fit",
+        "size mismatch or index out of range in `{path}` ({})",
         node.desc().name
     );
     Finding::new(Code::RPI2104, message)
-        .at(node.origin.span, "no such element, or no such size")
-        .help("indices count from 0 and stay below the size of the array that is connected")
+        .at(node.origin.span, "index out of range, or incompatible size")
+        .help("indices start at 0 and must be below the size of the connected array")
 }

@@ -1,31 +1,31 @@
-//! The fragments of a net as a tree: who encloses whom, and what stands directly where.
+//! Tree of the fragments of a net: parents, children and the nodes directly inside each fragment.
 //!
-//! A view made once per net for all passes; it must not know what the nodes do.
+//! The tree is built once per net for all passes. It does not depend on what the nodes compute.
 
 use crate::net::{FragmentId, Net, NodeId};
 
-/// What stands in a fragment and is ordered there.
+/// Member of a fragment in scheduling order.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum Item {
-    /// A node of its own.
+    /// Node directly in the fragment.
     Node(NodeId),
-    /// A child fragment with all that is in it.
+    /// Child fragment with all its contents.
     Fragment(FragmentId),
 }
 
-/// The fragments of one net as a tree.
+/// Fragment tree of one net. All vectors are indexed by fragment.
 #[derive(Clone, Debug)]
 pub struct Tree {
     parent: Vec<Option<FragmentId>>,
     depth: Vec<u32>,
     children: Vec<Vec<FragmentId>>,
     nodes: Vec<Vec<NodeId>>,
-    /// For each fragment the number of the first node inside it.
+    /// Lowest node index inside each fragment; `u32::MAX` if it contains no nodes.
     first: Vec<u32>,
 }
 
 impl Tree {
-    /// The tree of a net whose fragments stand behind their parents.
+    /// Builds the tree of a net. Each fragment must come after its parent.
     #[must_use]
     pub fn new(net: &Net) -> Self {
         let count = net.fragments.len();
@@ -61,19 +61,19 @@ impl Tree {
         }
     }
 
-    /// The nodes that stand directly in a fragment, in declaration order.
+    /// Nodes directly in a fragment, in declaration order.
     #[must_use]
     pub fn nodes(&self, fragment: FragmentId) -> &[NodeId] {
         &self.nodes[fragment.index()]
     }
 
-    /// The fragments that stand directly in a fragment, in declaration order.
+    /// Fragments directly in a fragment, in declaration order.
     #[must_use]
     pub fn children(&self, fragment: FragmentId) -> &[FragmentId] {
         &self.children[fragment.index()]
     }
 
-    /// Nodes and child fragments of a fragment in declaration order. A fragment's place is that of the first node in it.
+    /// Nodes and child fragments of a fragment in declaration order. A fragment is ordered by its first node.
     #[must_use]
     pub fn items(&self, fragment: FragmentId) -> Vec<Item> {
         let nodes = self.nodes(fragment).iter();
@@ -81,12 +81,12 @@ impl Tree {
         let children = self.children(fragment).iter();
         let children = children.map(|f| (self.first[f.index()], Item::Fragment(*f)));
         let mut items: Vec<(u32, Item)> = nodes.chain(children).collect();
-        // Two rows in order: the stable sort merges them in one go.
+        // The input is two sorted runs, which a stable sort merges in linear time.
         items.sort();
         items.into_iter().map(|(_, item)| item).collect()
     }
 
-    /// The same, with all that stands in fragments of clocks in it, whatever their depth.
+    /// Like [`Tree::items`], but includes the members of clock fragments in the fragment, at any depth.
     #[must_use]
     pub fn items_through(&self, net: &Net, fragment: FragmentId) -> Vec<Item> {
         let is_clock = |f: &FragmentId| net.fragment(*f).is_clock;
@@ -111,19 +111,19 @@ impl Tree {
         items.into_iter().map(|(_, item)| item).collect()
     }
 
-    /// The enclosing fragment; none for the root.
+    /// Enclosing fragment; `None` for the root.
     #[must_use]
     pub fn parent(&self, fragment: FragmentId) -> Option<FragmentId> {
         self.parent[fragment.index()]
     }
 
-    /// How many fragments enclose it; 0 for the root.
+    /// Number of enclosing fragments; 0 for the root.
     #[must_use]
     pub fn depth(&self, fragment: FragmentId) -> u32 {
         self.depth[fragment.index()]
     }
 
-    /// The innermost fragment that encloses both (or is one of them).
+    /// Innermost fragment that is or encloses both fragments (lowest common ancestor).
     #[must_use]
     pub fn common(&self, a: FragmentId, b: FragmentId) -> FragmentId {
         let (mut a, mut b) = (a, b);
@@ -141,7 +141,7 @@ impl Tree {
         a
     }
 
-    /// The fragments from `inner` outwards, up to but without `outer`, which encloses it.
+    /// Fragments from `inner` outwards, excluding `outer`, which encloses it.
     pub fn between(
         &self,
         inner: FragmentId,
@@ -150,7 +150,7 @@ impl Tree {
         std::iter::successors(Some(inner), |f| self.parent(*f)).take_while(move |f| *f != outer)
     }
 
-    /// The fragment directly in `outer` that is or holds `inner`; none if `inner` is `outer` itself.
+    /// Direct child of `outer` that is or encloses `inner`; `None` if `inner` is `outer` itself.
     #[must_use]
     pub fn child_towards(&self, outer: FragmentId, inner: FragmentId) -> Option<FragmentId> {
         self.between(inner, outer).last()

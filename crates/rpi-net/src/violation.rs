@@ -1,9 +1,9 @@
-//! What a verifier says when a pass broke its own promise: a fault of the compiler, never of a program.
+//! Error of a verifier when a pass broke its own postcondition: a bug in the compiler, never an error in a program.
 
 use rpi_diag::Span;
 use std::fmt;
 
-/// A promise that does not hold, in words for who works on the compiler.
+/// Violated postcondition of a pass, described for compiler developers.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Violation {
     text: String,
@@ -11,7 +11,7 @@ pub struct Violation {
 }
 
 impl Violation {
-    /// A violation with this text.
+    /// Returns a violation with this text and no location.
     #[must_use]
     pub fn new(text: impl Into<String>) -> Self {
         Violation {
@@ -20,13 +20,13 @@ impl Violation {
         }
     }
 
-    /// The same, brought about by what stands at a place of the text.
+    /// Returns the violation with the source location that caused it.
     #[must_use]
     pub fn at(self, place: Span) -> Self {
         Violation { place, ..self }
     }
 
-    /// The place that brought it about; [`Span::NONE`] if it is not known.
+    /// Source location that caused the violation; [`Span::NONE`] if it is unknown.
     #[must_use]
     pub fn place(&self) -> Span {
         self.place

@@ -1,4 +1,5 @@
-//! What must hold for a Boolean flow to be true: against the truth tables of random nets, and over the recorded ones.
+//! Decomposition of Boolean flows into conjunctions, tested against truth tables of random nets and on the recorded
+//! nets.
 
 mod nets;
 
@@ -7,7 +8,7 @@ use std::fmt::Write;
 use rpi_net::passes::Conjunction;
 use rpi_net::{Input, Net, PortRef};
 
-/// A generator of numbers (Marsaglia 2003, xorshift64).
+/// Pseudo-random number generator (Marsaglia 2003, xorshift64).
 struct Random(u64);
 
 impl Random {
@@ -19,7 +20,7 @@ impl Random {
     }
 }
 
-/// A gate over earlier flows.
+/// Gate over earlier flows.
 #[derive(Clone, Copy)]
 enum Gate {
     Const(bool),
@@ -28,7 +29,7 @@ enum Gate {
     Not(usize),
 }
 
-/// Flow 0 says whether the command is cancelled, those up to this one come from outside; gates follow.
+/// Number of inputs: flow 0 is the cancel request, the others are set from outside. Gates follow.
 const OUTSIDE: usize = 5;
 
 fn gates(random: &mut Random) -> Vec<Gate> {
@@ -53,7 +54,7 @@ fn port(flow: usize) -> String {
     }
 }
 
-/// The net of these gates; node `k` gives flow `k`.
+/// Text of the net of these gates; node `k` computes flow `k`.
 fn text(gates: &[Gate]) -> String {
     let mut text = String::from("{f0=Cancel()");
     for k in 1..OUTSIDE {
@@ -75,7 +76,7 @@ fn text(gates: &[Gate]) -> String {
     text + "}"
 }
 
-/// All flows, if those from outside are these bits.
+/// Values of all flows, where the bits of `outside` are the inputs.
 fn values(gates: &[Gate], outside: usize) -> Vec<bool> {
     let mut values: Vec<bool> = (0..OUTSIDE).map(|k| outside >> k & 1 == 1).collect();
     for gate in gates {
@@ -118,11 +119,12 @@ fn a_conjunction_holds_exactly_if_its_flow_is_true() {
             assert_eq!(holds, values[last], "{} for {outside:b}", text(&gates));
         }
     }
-    // Both kinds have been there.
+    // Both outcomes must have occurred.
     assert!(never > 20 && parts > 1000, "{never} {parts}");
 }
 
-/// Motions of the reference system say that they are completed or cancelled by results that differ in the cancel alone.
+/// Motions of the reference system report completion and cancellation by results that differ only in the cancel
+/// request.
 #[test]
 fn recorded_motions_have_two_results_that_differ_in_the_cancel() {
     let Some(nets) = nets::nets_in("v2") else {

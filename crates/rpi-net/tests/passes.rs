@@ -1,4 +1,4 @@
-//! The passes over small nets with known answers, and over every recorded net.
+//! Tests the passes on small nets with known results, and on every recorded net.
 
 mod nets;
 
@@ -10,7 +10,7 @@ fn analysed(text: &str) -> Analysis {
     analyse(nets::net("test", text), |_| false).expect("the passes keep their promises")
 }
 
-/// An out-port by the name of its node.
+/// Out-port of the node with this name.
 fn port(net: &Net, name: &str, port: u8) -> PortRef {
     let node = net.node_ids().find(|id| net.node(*id).name == name);
     PortRef {
@@ -19,7 +19,7 @@ fn port(net: &Net, name: &str, port: u8) -> PortRef {
     }
 }
 
-/// Names of nodes in order of evaluation.
+/// Names of the nodes in order of evaluation.
 fn order(analysis: &Analysis) -> Vec<&str> {
     let schedule = analysis.schedule.as_ref().expect("there is a schedule");
     let name = |id: NodeId| analysis.net.node(id).name.as_str();
@@ -192,7 +192,7 @@ fn each_pass_says_what_it_does() {
     assert!(PASSES.iter().all(|p| !p.about.is_empty()));
 }
 
-/// Verdicts on the pairs of writers of a net.
+/// For each pair of writers of a net, whether it is proved exclusive.
 fn verdicts(text: &str) -> Vec<bool> {
     analysed(text)
         .writers
@@ -202,7 +202,7 @@ fn verdicts(text: &str) -> Vec<bool> {
         .collect()
 }
 
-/// A net with two writers of one output under these two activations.
+/// Net with two writers of one output, activated by these two conditions.
 fn two_writers(conditions: &str, first: &str, second: &str) -> String {
     let writer = "{w=IO::OutBool(inIO=parent.i,DeviceID='io',Port='1')}";
     format!(

@@ -1,4 +1,4 @@
-//! Every recorded net is read, its size is that of the tables, and nothing that was broken makes the reader panic.
+//! Every recorded net is parsed, its size matches the recorded table, and no damaged text makes the parser panic.
 
 mod nets;
 
@@ -24,7 +24,7 @@ fn every_recorded_net_is_read() {
     assert!(refused.is_empty(), "{}", refused.join("\n"));
 }
 
-/// The tables beside the nets: by file name, the row of the `opt` phase.
+/// Recorded size of a net from the tables beside the nets: the row of the `opt` phase, by file name.
 fn recorded_size(file: &str) -> Option<Size> {
     let (table, id) = match file.split_once('/')? {
         ("v1", name) => match name.split_once('-')? {
@@ -86,7 +86,7 @@ fn what_the_reference_writes_twice_counts_once() {
     assert_eq!(Size::of(&nets::net(name, text)).primitives, 1454 - 172);
 }
 
-/// A small generator (xorshift64, Marsaglia 2003): the same damage in every run.
+/// Pseudo-random number generator (xorshift64, Marsaglia 2003) with a fixed seed, so that the damage is reproducible.
 struct Random(u64);
 
 impl Random {
@@ -98,7 +98,7 @@ impl Random {
     }
 }
 
-/// A text with a few characters deleted, doubled or replaced.
+/// Text with a few characters deleted, duplicated or replaced.
 fn damaged(text: &str, random: &mut Random) -> String {
     const SIGNS: &[u8] = b"{}()[],.='\\:a0_ \n\xc3\xa9";
     let mut bytes = text.as_bytes().to_vec();
@@ -117,7 +117,8 @@ fn damaged(text: &str, random: &mut Random) -> String {
     String::from_utf8_lossy(&bytes).into_owned()
 }
 
-/// Reads a text that may be broken: a net exactly if there is no error, and every finding lies in the text.
+/// Parses a text that may be damaged: the net is `Some` exactly if there is no error, and every diagnostic is inside
+/// the text.
 fn survive(text: &str) {
     let (net, findings) = read("broken", FileId(0), text);
     let errors = findings.iter().filter(|f| f.severity() == Severity::Error);
@@ -167,7 +168,7 @@ fn deep_nesting_is_refused() {
     assert!(findings.iter().any(|f| f.code == Code::RPI0103));
 }
 
-/// Programs on the pages of findings that are nets.
+/// Checks the nets on the pages of the diagnostic codes.
 #[test]
 fn pages_show_what_they_say() {
     let mut checked = 0;
@@ -186,7 +187,7 @@ fn pages_show_what_they_say() {
     assert!(checked >= 30, "{checked}");
 }
 
-/// Information and text of the fenced blocks of a page.
+/// Info string and content of the fenced blocks of a page.
 fn fences(page: &str) -> Vec<(String, String)> {
     let blocks = page.split("```").skip(1).step_by(2);
     let parts = blocks.filter_map(|b| b.split_once('\n'));

@@ -1,4 +1,4 @@
-//! What was read from a text and is written reads back equal.
+//! A net that is formatted as text and parsed again is equal.
 
 mod nets;
 
@@ -7,7 +7,7 @@ use rpi_image::{Scalar, Type, Value};
 use rpi_net::rpinet::{read, write};
 use rpi_net::{Input, Net, Origin};
 
-/// The net without the places in its text, and with rotations to 12 digits: angles are exact only to rounding.
+/// Net without source locations, and with rotations rounded to 12 digits, since angles are exact only up to rounding.
 fn comparable(mut net: Net) -> Net {
     let nowhere = Origin {
         span: Span::NONE,

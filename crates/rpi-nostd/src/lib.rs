@@ -1,9 +1,9 @@
-//! Proof that the real-time side does without `std`: `cargo check -p rpi-nostd --features proof`.
+//! Proof that the real-time crates do not need `std`: `cargo check -p rpi-nostd --features proof`.
 //!
-//! With the feature this crate brings its own panic handler. If anything that it is built on brings
-//! `std` along, there are two of them, and it does not compile: error E0152, "found duplicate lang
-//! item `panic_impl`", with the name of the crate that did it. The feature is off in a build of the
-//! whole workspace, where cargo joins the features of all crates and test tools want `std`.
+//! With the feature, this crate defines its own panic handler. If one of its dependencies links `std`, there are two
+//! panic handlers, and compilation fails with error E0152, "found duplicate lang item `panic_impl`", which names the
+//! crate responsible. The feature is off in a build of the whole workspace, where cargo unifies the features of all
+//! crates and test tools need `std`.
 
 #![no_std]
 
@@ -15,7 +15,7 @@ mod proof {
     extern crate rpi_kin as _;
     extern crate rpi_prims as _;
 
-    /// There is nobody to panic to.
+    /// Loops forever: without `std` there is nothing that could report the panic.
     #[panic_handler]
     fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
         loop {

@@ -1,10 +1,10 @@
-//! Values too large to pass by copy: arrays and matrices as places in the cells, and ring buffers in a state.
+//! Handles to values that are too large to pass by copy: arrays, matrices and ring buffers in memory slots.
 
 use crate::flow::Flow;
 use crate::operand::Memory;
 use core::marker::PhantomData;
 
-/// An array of values side by side.
+/// Handle to an array of values stored contiguously.
 #[derive(Debug)]
 pub struct Array<T> {
     at: usize,
@@ -21,7 +21,7 @@ impl<T> Clone for Array<T> {
 impl<T> Copy for Array<T> {}
 
 impl<T: Flow> Array<T> {
-    /// The array of `len` values that starts at cell `at`.
+    /// Creates a handle to the array of `len` values that starts at slot `at`.
     #[must_use]
     pub const fn at(at: usize, len: usize) -> Self {
         Array {
@@ -31,26 +31,26 @@ impl<T: Flow> Array<T> {
         }
     }
 
-    /// Number of values.
+    /// Returns the number of values.
     #[must_use]
     pub const fn len(self) -> usize {
         self.len
     }
 
-    /// True if there is no value in it.
+    /// Returns whether the array is empty.
     #[must_use]
     pub const fn is_empty(self) -> bool {
         self.len == 0
     }
 
-    /// The value at `index`; `None` outside.
+    /// Returns the value at `index`; `None` if the index is out of range.
     #[must_use]
     pub fn get(self, cells: &[u64], index: i64) -> Option<T> {
         let index = usize::try_from(index).ok().filter(|&k| k < self.len)?;
         Some(T::load(cells, self.at + index * T::CELLS))
     }
 
-    /// Overwrites the value at `index`; false outside.
+    /// Overwrites the value at `index`. Returns false if the index is out of range.
     pub fn set(self, cells: &mut [u64], index: i64, value: T) -> bool {
         let index = usize::try_from(index).ok().filter(|&k| k < self.len);
         if let Some(k) = index {
@@ -59,7 +59,7 @@ impl<T: Flow> Array<T> {
         index.is_some()
     }
 
-    /// Copies `from[start..]` over all of this array; false if it is too short. Both may be the same place.
+    /// Copies `from[start..]` to all of this array. Returns false if `from` is too short. Both arrays may overlap.
     pub fn copy(self, cells: &mut [u64], from: Self, start: i64) -> bool {
         let start = usize::try_from(start).ok();
         let fits = start.filter(|&s| s.checked_add(self.len).is_some_and(|end| end <= from.len));
@@ -70,7 +70,7 @@ impl<T: Flow> Array<T> {
         fits.is_some()
     }
 
-    /// Sets every value.
+    /// Sets all values to `value`.
     pub fn fill(self, cells: &mut [u64], value: T) {
         for k in 0..self.len {
             value.store(cells, self.at + k * T::CELLS);
@@ -78,7 +78,7 @@ impl<T: Flow> Array<T> {
     }
 }
 
-/// A dense matrix of reals, row by row.
+/// Handle to a dense matrix of reals, stored row by row.
 #[derive(Clone, Copy, Debug)]
 pub struct Matrix {
     at: usize,
@@ -89,36 +89,36 @@ pub struct Matrix {
 }
 
 impl Matrix {
-    /// The matrix that starts at cell `at`.
+    /// Creates a handle to the matrix that starts at slot `at`.
     #[must_use]
     pub const fn at(at: usize, rows: usize, cols: usize) -> Self {
         Matrix { at, rows, cols }
     }
 
-    /// Its elements row by row.
+    /// Returns the elements, row by row.
     #[must_use]
     pub const fn elements(self) -> Array<f64> {
         Array::at(self.at, self.rows * self.cols)
     }
 
-    /// The element; `None` outside.
+    /// Returns an element; `None` if an index is out of range.
     #[must_use]
     pub fn get(self, cells: &[u64], row: usize, col: usize) -> Option<f64> {
         self.place(row, col).map(|at| f64::load(cells, at))
     }
 
-    /// The element; 0 outside.
+    /// Returns an element; 0 if an index is out of range.
     #[must_use]
     pub fn at_or_zero(self, cells: &[u64], row: usize, col: usize) -> f64 {
         self.get(cells, row, col).unwrap_or(0.0)
     }
 
-    /// All rows and columns, row by row.
+    /// Returns all pairs (row, column), row by row.
     pub fn places(self) -> impl Iterator<Item = (usize, usize)> {
         (0..self.rows).flat_map(move |row| (0..self.cols).map(move |col| (row, col)))
     }
 
-    /// Computes every element from its row and column.
+    /// Sets each element to the result of `element` for its row and column.
     pub fn fill_with(self, cells: &mut [u64], element: impl Fn(&[u64], usize, usize) -> f64) {
         for (row, col) in self.places() {
             let value = element(cells, row, col);
@@ -126,7 +126,7 @@ impl Matrix {
         }
     }
 
-    /// Overwrites an element; false outside.
+    /// Overwrites an element. Returns false if an index is out of range.
     pub fn set(self, cells: &mut [u64], row: usize, col: usize, value: f64) -> bool {
         let place = self.place(row, col);
         if let Some(at) = place {
@@ -140,12 +140,12 @@ impl Matrix {
     }
 }
 
-/// A state whose size depends on parameters: a run of cells.
+/// State with a size that depends on parameters: a range of slots.
 #[derive(Clone, Copy, Debug)]
 pub struct Region {
-    /// First cell.
+    /// First slot.
     pub at: usize,
-    /// Number of cells.
+    /// Number of slots.
     pub len: usize,
 }
 

@@ -1,41 +1,42 @@
-//! What a primitive sees while it runs.
+//! Execution context of a primitive: memory, clocks, devices and faults.
 
 use core::cmp::Ordering;
 use rpi_device::DeviceBank;
 
-/// The clocks of one cycle; the same for all primitives in it.
+/// Clocks of one cycle, equal for all primitives.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Clock {
-    /// Period in seconds.
+    /// Period, s.
     pub dt: f64,
-    /// Length of a tick, nanoseconds: what values of the type `time` count.
+    /// Length of a tick, ns: the unit of values of type `time`.
     pub tick_ns: u64,
-    /// Number of ticks in a period.
+    /// Period in ticks.
     pub ticks: u64,
-    /// Number of the command's cycle, from 0.
+    /// Number of the cycle of the command, from 0.
     pub cycle: u64,
-    /// Logical time of this cycle, nanoseconds since the Unix epoch.
+    /// Logical time of the cycle, ns since the Unix epoch.
     pub net_ns: i64,
-    /// The machine's clock at the start of the cycle, nanoseconds since the Unix epoch.
+    /// Time of the system clock at the start of the cycle, ns since the Unix epoch.
     pub wall_ns: i64,
 }
 
 impl Clock {
-    /// The seconds that so many ticks take: the nearest real, as a decimal number of seconds is read.
+    /// Returns the duration of `ticks` in s, as the nearest real.
     #[must_use]
     pub fn seconds(&self, ticks: i64) -> f64 {
         seconds(ticks, self.tick_ns)
     }
 
-    /// The fewest whole ticks that take at least so many seconds; none for not-a-number and what 64 bits do not hold.
+    /// Returns the smallest whole number of ticks that is not shorter than `seconds`. `None` for not-a-number and for
+    /// values out of the 64-bit range.
     #[must_use]
     pub fn whole_ticks(&self, seconds: f64) -> Option<i64> {
         counted(seconds, self.tick_ns)
     }
 }
 
-/// The fewest whole ticks of so many nanoseconds that take at least so many seconds. What 64 bits do not hold is the longest time that
-/// they hold: `1e300[s]` stands for never. Not-a-number is 0.
+/// Returns the smallest whole number of ticks of `tick_ns` nanoseconds that is not shorter than `seconds`. Values out
+/// of the 64-bit range saturate: `1e300[s]` means never. Not-a-number becomes 0.
 #[must_use]
 pub fn whole_ticks(seconds: f64, tick_ns: u64) -> i64 {
     let ends = match seconds.partial_cmp(&0.0) {
@@ -47,9 +48,9 @@ pub fn whole_ticks(seconds: f64, tick_ns: u64) -> i64 {
 }
 
 fn counted(seconds: f64, tick_ns: u64) -> Option<i64> {
-    /// Above, a real holds no fraction of a nanosecond, and the quotient below is as good as it gets.
+    /// Largest time, ns, at which a real resolves fractions of 1 ns (2^53). Above it, the quotient cannot be improved.
     const EXACT: f64 = 9_007_199_254_740_992.0;
-    /// Below 2^63, and a real.
+    /// Largest real below 2^63.
     const MOST: f64 = 9_223_372_036_854_774_784.0;
     let about = libm::floor(seconds * 1e9 / tick_ns as f64);
     if !(-MOST..=MOST).contains(&about) {
@@ -59,71 +60,73 @@ fn counted(seconds: f64, tick_ns: u64) -> Option<i64> {
     if libm::fabs(seconds * 1e9) > EXACT {
         return Some(about);
     }
-    // The quotient is rounded: 1.1 s are 11 ticks of 100 ms although 1.1 / 0.1 is above 11.
+    // The quotient is rounded: 1.1 s are 11 ticks of 100 ms, although 1.1 / 0.1 is above 11. So the neighbours are
+    // tested.
     let takes = |ticks: &i64| self::seconds(*ticks, tick_ns) >= seconds;
     (about.saturating_sub(2)..=about.saturating_add(2)).find(takes)
 }
 
-/// The seconds that so many ticks of so many nanoseconds take: the nearest real, as a decimal number of seconds is read.
+/// Returns the duration of `ticks` of `tick_ns` nanoseconds in s. The result is the real nearest to the decimal number
+/// of seconds.
 #[must_use]
 pub fn seconds(ticks: i64, tick_ns: u64) -> f64 {
     ticks as f64 * tick_ns as f64 / 1e9
 }
 
-/// Why a cycle could not be computed.
+/// Cause of a fault of a cycle.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum FaultCode {
-    /// A result does not fit a 64-bit integer.
+    /// Integer result out of the 64-bit range.
     IntegerOverflow,
     /// Integer division or remainder by zero.
     DivisionByZero,
-    /// A real has no integer value: not a number, infinite or out of range.
+    /// Conversion of a real to an integer: not a number, infinite or out of range.
     LossyConversion,
-    /// An index lies outside its array.
+    /// Array or matrix index out of range.
     IndexOutOfRange,
-    /// Matrices or arrays whose shapes do not fit.
+    /// Array lengths or matrix shapes that do not match.
     ShapeMismatch,
-    /// Two writers of one actuator in a cycle.
+    /// Two writers of one resource in the same cycle.
     ConcurrentAccess,
-    /// A total sensor had no sample.
+    /// Missing sample of a sensor that must always have one.
     MissingSample,
-    /// A device refuses its set-point or has failed.
+    /// Rejected set-point or failed device.
     DeviceFailed,
-    /// A moving actuator got no set-point and was stopped.
+    /// No set-point for a moving resource; the resource was stopped.
     SetPointMissing,
-    /// The first set-point after a switch does not join those before it.
+    /// First set-point after a switch that does not continue the previous ones within the limits of the device.
     Discontinuity,
-    /// An assertion or contract does not hold.
+    /// False assertion or contract.
     AssertionFailed,
-    /// A value lies outside of the subrange that it is declared to lie in.
+    /// Value outside its declared subrange.
     OutsideSubrange,
-    /// The command itself has asked for an emergency stop.
+    /// Emergency stop requested by the command.
     EmergencyStop,
 }
 
-/// The first fault of a cycle.
+/// First fault of a cycle.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Fault {
-    /// What happened.
+    /// Cause of the fault.
     pub code: FaultCode,
-    /// First output cell of the primitive to which it happened; the image maps it to a place.
+    /// First output slot of the primitive that raised the fault. The image maps it to a source location.
     pub cell: u32,
 }
 
-/// Memory, clocks and devices, lent to a primitive for one call.
+/// Execution context of a primitive: memory, clocks and devices for one call.
 pub struct Cx<'a> {
-    /// All cells of the command.
+    /// All memory slots of the command.
     pub cells: &'a mut [u64],
-    /// The clocks of this cycle.
+    /// Clocks of the cycle.
     pub clock: Clock,
-    /// The devices.
+    /// Devices of the robot cell.
     pub devices: &'a mut dyn DeviceBank,
-    /// The first fault of this cycle.
+    /// First fault of the cycle.
     pub fault: Option<Fault>,
 }
 
 impl Cx<'_> {
-    /// Records a fault unless one is already known; the cycle goes on and its set-points are dropped.
+    /// Records a fault, unless the cycle already has one. The cycle continues, and its set-points are discarded.
     #[cold]
     pub fn fault(&mut self, code: FaultCode, cell: u32) {
         self.fault.get_or_insert(Fault { code, cell });

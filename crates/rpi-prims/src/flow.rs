@@ -1,30 +1,30 @@
-//! The value types as Rust sees them, and how they lie in cells.
+//! Rust types of the value types of the language, and their layout in memory slots.
 
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use rpi_image::Scalar;
 
-/// A value type of the language as Rust sees it.
+/// Rust type of a value type of the language.
 pub trait Flow: Copy {
-    /// Its type.
+    /// Value type.
     const SCALAR: Scalar;
-    /// Number of cells.
+    /// Number of slots.
     const CELLS: usize = Self::SCALAR.cells() as usize;
-    /// Reads it from `cells[at..]`.
+    /// Reads a value from `cells[at..]`.
     fn load(cells: &[u64], at: usize) -> Self;
-    /// Writes it to `cells[at..]`.
+    /// Writes the value to `cells[at..]`.
     fn store(self, cells: &mut [u64], at: usize);
-    /// False, zero, identity.
+    /// Returns the neutral value: false, zero or the identity.
     fn neutral() -> Self;
 }
 
-/// Point in time, nanoseconds since the Unix epoch.
+/// Point in time, ns since the Unix epoch.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, Default)]
 pub struct Time(pub i64);
-/// Position or direction, metres where it is a position.
+/// Position (m) or direction.
 pub type Vector = Vector3<f64>;
 /// Unit quaternion.
 pub type Rotation = UnitQuaternion<f64>;
-/// Position and orientation of one frame in another.
+/// Position (m) and orientation of one frame in another.
 pub type Pose = Isometry3<f64>;
 
 /// Velocity of a frame: linear (m/s) and angular (rad/s).
@@ -136,6 +136,7 @@ impl Flow for Rotation {
     #[inline(always)]
     fn load(cells: &[u64], at: usize) -> Self {
         let part = |k| f64::load(cells, at + k);
+        // Not normalised again: a value must not change its bits on the way through memory.
         UnitQuaternion::new_unchecked(Quaternion::new(part(3), part(0), part(1), part(2)))
     }
     #[inline(always)]

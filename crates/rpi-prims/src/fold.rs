@@ -1,4 +1,4 @@
-//! Running a primitive once on constants: what is known before the cycle need not be computed in it.
+//! Constant folding: evaluates a primitive on constant inputs at compile time.
 
 use crate::cx::{Clock, Cx, FaultCode};
 use crate::registry::{PrimId, RunFn};
@@ -6,13 +6,13 @@ use alloc::vec::Vec;
 use rpi_device::NoDevices;
 use rpi_image::{Role, State, Type, Value};
 
-/// The out-ports of a primitive whose in-ports are all constant. `outputs` are their types, sizes resolved.
+/// Returns the values of the out-ports of a primitive for constant in-ports. `outputs` are the types of the out-ports.
 ///
-/// `None` if its result depends on more than its in-ports and parameters (it is run at two different times to find out),
-/// or may be absent.
+/// Returns `None` if the result may be absent, or depends on more than in-ports and parameters. The latter is detected
+/// by a comparison of the results at two different times.
 ///
 /// # Errors
-/// The fault that it raises on these values.
+/// Returns the fault that the primitive raises on these values.
 #[must_use]
 pub fn fold(
     prim: PrimId,
@@ -44,7 +44,7 @@ pub fn fold(
     })
 }
 
-/// Runs a primitive at a time; the fault that it raises.
+/// Runs a primitive with the given clocks. Returns the fault that it raises.
 fn run(code: RunFn, cells: &mut [u64], words: &[u32], clock: Clock) -> Option<FaultCode> {
     let mut cx = Cx {
         cells,
@@ -56,11 +56,11 @@ fn run(code: RunFn, cells: &mut [u64], words: &[u32], clock: Clock) -> Option<Fa
     cx.fault.map(|fault| fault.code)
 }
 
-/// Two times that have nothing in common.
+/// Two sets of clocks that differ in every field.
 const TIMES: [Clock; 2] = [
     Clock {
         dt: 0.001,
-        // The shortest and the longest tick: a count that is the same in both is so in all.
+        // The shortest and the longest tick: a number of ticks that is equal for both is equal for all.
         tick_ns: 1,
         ticks: 1_000_000,
         cycle: 0,
@@ -77,7 +77,7 @@ const TIMES: [Clock; 2] = [
     },
 ];
 
-/// Cells and operand words of one call.
+/// Slots and operand words of one call.
 #[derive(Default)]
 struct Memory {
     cells: Vec<u64>,
@@ -85,7 +85,7 @@ struct Memory {
 }
 
 impl Memory {
-    /// Appends an operand; a text has no cells and takes no word.
+    /// Appends an operand. A text has no slots and no operand word.
     fn operand(&mut self, ty: Option<Type>, cells: &[u64]) {
         let Some(ty) = ty else {
             return;

@@ -1,13 +1,13 @@
 //! Rotations and rigid motions: Euler angles, axis and angle, exponential and logarithm.
 //!
-//! Trigonometry goes through `libm`, so that results are equal to the bit on every machine.
-//! Formulas: Lynch and Park, Modern Robotics (2017), chapter 3.
+//! Trigonometric functions are those of `libm`, so that results are bit-identical on every machine. Formulas: Lynch and
+//! Park, Modern Robotics (2017), chapter 3.
 
 use crate::flow::{Rotation, Vector};
 use core::f64::consts::FRAC_PI_2;
 use nalgebra::{Quaternion, UnitQuaternion};
 
-/// Rotation by `a` about z, then `b` about the new y, then `c` about the new x (rad).
+/// Returns the rotation by `a` about z, then `b` about the new y, then `c` about the new x (rad).
 #[must_use]
 pub fn from_abc(a: f64, b: f64, c: f64) -> Rotation {
     let half = |angle: f64| (libm::sin(angle / 2.0), libm::cos(angle / 2.0));
@@ -20,8 +20,8 @@ pub fn from_abc(a: f64, b: f64, c: f64) -> Rotation {
     ))
 }
 
-/// Angles `a`, `b`, `c` of [`from_abc`], with `b` from -π/2 to π/2. Where `b` is at an end (to 1e-12) the other two turn
-/// about one axis: `c` is 0 then.
+/// Returns the angles `a`, `b`, `c` of [`from_abc`], with `b` from -π/2 to π/2. If `b` is within 1e-12 of a limit
+/// (gimbal lock), `a` and `c` rotate about the same axis; `c` is then 0.
 #[must_use]
 pub fn to_abc(rotation: Rotation) -> (f64, f64, f64) {
     let m = matrix(rotation);
@@ -33,14 +33,14 @@ pub fn to_abc(rotation: Rotation) -> (f64, f64, f64) {
     (a, b, c)
 }
 
-/// The rotation as a matrix, row by row.
+/// Returns the rotation matrix, row by row.
 #[must_use]
 pub fn matrix(rotation: Rotation) -> [[f64; 3]; 3] {
     let m = rotation.to_rotation_matrix();
     [0, 1, 2].map(|r| [0, 1, 2].map(|c| m[(r, c)]))
 }
 
-/// The rotation that a constant angular velocity makes in unit time: `vector` is axis times angle (rad).
+/// Returns the rotation with the rotation vector `vector`: axis times angle (rad).
 #[must_use]
 pub fn exp(vector: Vector) -> Rotation {
     let angle = norm(vector);
@@ -49,7 +49,7 @@ pub fn exp(vector: Vector) -> Rotation {
     UnitQuaternion::new_unchecked(Quaternion::from_parts(c, axis * s))
 }
 
-/// Unit axis and angle from 0 to π of a rotation; the axis is x where there is no rotation.
+/// Returns the unit axis and the angle (0 to π) of a rotation. The axis is x for the identity.
 #[must_use]
 pub fn to_axis_angle(rotation: Rotation) -> (Vector, f64) {
     let sign = if rotation.w < 0.0 { -1.0 } else { 1.0 };
@@ -61,31 +61,31 @@ pub fn to_axis_angle(rotation: Rotation) -> (Vector, f64) {
     (v / s, 2.0 * libm::atan2(s, rotation.w * sign))
 }
 
-/// Axis times angle (rad, 0 to π) of a rotation: the inverse of [`exp`].
+/// Returns the rotation vector of a rotation: axis times angle (rad, 0 to π). Inverse of [`exp`].
 #[must_use]
 pub fn log(rotation: Rotation) -> Vector {
     let (axis, angle) = to_axis_angle(rotation);
     axis * angle
 }
 
-/// Rotation on the shortest arc between two: `from` at 0, `to` at 1.
+/// Interpolates between two rotations along the shortest arc: `from` for amount 0, `to` for amount 1.
 #[must_use]
 pub fn slerp(from: Rotation, to: Rotation, amount: f64) -> Rotation {
     from * exp(log(from.inverse() * to) * amount)
 }
 
-/// Whether two rotations are the same: each has two quaternions, `q` and `-q`.
+/// Returns whether two rotations are equal. Each rotation has two quaternions, `q` and `-q`.
 pub fn is_same(a: Rotation, b: Rotation) -> bool {
     a.coords == b.coords || a.coords == -b.coords
 }
 
-/// Length of a vector.
+/// Returns the length of a vector.
 #[must_use]
 pub fn norm(v: Vector) -> f64 {
     libm::sqrt(v.dot(&v))
 }
 
-/// Unit quaternion from any quaternion; the identity where it has no length.
+/// Returns the rotation of a quaternion after normalisation; the identity for the zero quaternion.
 #[must_use]
 pub fn from_quaternion(x: f64, y: f64, z: f64, w: f64) -> Rotation {
     let length = libm::sqrt(x * x + y * y + z * z + w * w);

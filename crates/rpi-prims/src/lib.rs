@@ -1,8 +1,8 @@
-//! Every primitive, each declared in one place.
+//! Primitives: declarations and code.
 //!
-//! [`registry()`] is what everybody else reads: the type checker, the importer, the lowering, the interpreter, hover
-//! texts and the generated reference. Adding a primitive is one declaration in a file below [`mod@catalogue`] and, for a
-//! new file, one line in its `mod.rs`. A primitive must not know a net, a file, a clock or another primitive.
+//! [`registry()`] is the table for all other crates: type checker, importer, lowering, interpreter, hover texts and
+//! generated reference. A new primitive needs one declaration in a file below [`mod@catalogue`]; a new file also needs
+//! one line in its `mod.rs`. A primitive has no knowledge of nets, files, clocks or other primitives.
 #![no_std]
 
 extern crate alloc;

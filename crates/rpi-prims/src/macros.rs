@@ -1,4 +1,4 @@
-//! `primitive!` and `interface!`: the one place in which a primitive is declared.
+//! Macros `primitive!` and `interface!`, which declare primitives.
 //!
 //! ```text
 //! primitive! {
@@ -10,26 +10,28 @@
 //!     pure |(a, b)| (a + b,)
 //! }
 //! ```
-//! In-ports: `name: type` must be connected; `= Param(Default)` names the parameter that stands in for a missing
-//! connection; `= absent` counts as absent; `= [NEED]` gives a `Need` as it is (a value made of several parameters).
-//! `param { Name: type = Default }`, `state { types }`, `ring { size function }`, `init function;` and `shape EXPR;` (how
-//! long array outputs are, see [`rpi_image::Shape`]) come where they exist. Types are those of [`crate::flow`], [`crate::bulk::Array`], [`crate::bulk::Matrix`]; parameters may be `Text`.
+//! In-ports: `name: type` must be connected. `= Param(Default)` names the parameter that replaces a missing connection.
+//! `= absent` means that a missing connection counts as absent. `= [NEED]` is an explicit `Need` (a value from several
+//! parameters). The optional clauses are `param { Name: type = Default }`, `state { types }`, `ring { size function }`,
+//! `init function;` and `shape EXPR;` (lengths of array outputs, see [`rpi_image::Shape`]). Types are those of
+//! [`crate::flow`], [`crate::bulk::Array`] and [`crate::bulk::Matrix`]; parameters may also be `Text`.
 //!
 //! Presence is one of `strict`, `if_all`, `if_any`, `always`, `maybe` (see [`rpi_image::Presence`]). The closure of a
-//! strict primitive sees values; of the others it sees and gives options. `faults` after `work N` says that a cycle may
-//! fault.
+//! strict primitive has values as arguments and results; other closures have options. `faults` after `work N` means
+//! that a cycle may fault.
 //!
 //! - `pure |inputs| outputs`: no state, no parameters.
-//! - `full |cx, place, state, params, inputs| outputs`: `cx` has cells and clocks and takes faults
-//!   (`cx.fault(code, place)`); the state is a tuple, or the `Region` of a `ring`.
-//! - `bulk |cx, place, params, inputs, outputs| ()`: outputs are arrays or matrices, which the code writes itself;
-//!   where the presence is `maybe` it returns whether they are present.
-//! - `mixed |cx, place, params, inputs, outputs| outputs`: the same, with single values among the outputs.
+//! - `full |cx, place, state, params, inputs| outputs`: `cx` provides slots and clocks and records faults
+//!   (`cx.fault(code, place)`). The state is a tuple, or the `Region` of a `ring`.
+//! - `bulk |cx, place, params, inputs, outputs| ()`: outputs are arrays or matrices, which the code writes itself. With
+//!   presence `maybe`, it returns whether they are present.
+//! - `mixed |cx, place, params, inputs, outputs| outputs`: as `bulk`, with single values among the outputs.
 //!
-//! `interface!` declares what has no code here because the core does it: devices, keys, delays, constants. A `role`
-//! stands in place of the code, and an out-port's own presence may follow its type (`outValue: f64 maybe`).
+//! `interface!` declares a primitive without code, which the core implements: devices, keys, delays, constants. A
+//! `role` replaces the code. An out-port may have its own presence after its type (`outValue: f64 maybe`).
 
-/// Declares one primitive with code as a constant of type [`crate::registry::Prim`]; the module text tells the form.
+/// Declares a primitive with code as a constant of type [`crate::registry::Prim`]. See the module documentation for the
+/// syntax.
 macro_rules! primitive {
     (
         $(#[doc = $doc:expr])+
@@ -75,7 +77,7 @@ macro_rules! primitive {
     };
 }
 
-/// Declares one primitive that the core handles by its role.
+/// Declares a primitive that the core implements according to its role.
 macro_rules! interface {
     (
         $(#[doc = $doc:expr])+

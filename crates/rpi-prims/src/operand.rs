@@ -1,38 +1,38 @@
-//! Reading and writing ports through operand words.
+//! Access to ports through operand words.
 //!
-//! A step's operands are cell numbers. A port that is present for sure takes one word, its first cell; an array takes
-//! its length besides, a matrix its rows and columns. A port that may be absent takes one word more at its end: its
-//! presence cell.
+//! The operands of a step are slot numbers. A port that is always present has one word: its first slot. An array has a
+//! second word with its length; a matrix has two more words with its rows and columns. A port that may be absent has
+//! one more word at the end: its presence slot.
 
 use crate::bulk::{Array, Matrix};
 pub use crate::flow::{Flow, Pose, Rotation, Time, Twist, Vector, Wrench};
 use rpi_image::{ParamType, PortType};
 
-/// Something that is read from or written to through operand words: a port, or a tuple of ports.
+/// Value that is read and written through operand words: a port, or a tuple of ports.
 pub trait Operand: Sized {
     /// Number of operand words.
     const WORDS: usize;
-    /// Reads it; `words` starts at its first word.
+    /// Reads the value; `words` starts at its first word.
     fn get(cells: &[u64], words: &[u32]) -> Self;
-    /// Writes it; `words` starts at its first word.
+    /// Writes the value; `words` starts at its first word.
     fn put(self, cells: &mut [u64], words: &[u32]);
 }
 
-/// A single port that is present for sure.
+/// Single port that is always present.
 pub trait Port: Operand + Copy {
-    /// Its declared type.
+    /// Declared type.
     const TYPE: PortType;
-    /// What stands in where a value is missing against the primitive's promise.
+    /// Returns the value used if the code of a primitive outputs no value although its output must be present.
     fn neutral() -> Self;
 }
 
-/// A parameter.
+/// Parameter of a primitive.
 pub trait Setting: Operand {
-    /// Its declared type.
+    /// Declared type.
     const TYPE: ParamType;
 }
 
-/// A text parameter: known to the loader, not to the code, so it takes no words.
+/// Text parameter. Only the loader uses its value, so it has no operand words.
 #[derive(Clone, Copy, Debug)]
 pub struct Text;
 
@@ -76,7 +76,7 @@ macro_rules! single_values {
 
 single_values!(bool, i64, f64, Time, Vector, Rotation, Pose, Twist, Wrench);
 
-/// An array is handed over as the place where it lies; the code writes array outputs there itself.
+/// An array operand is passed as a handle; the code writes array outputs itself.
 impl<T: Flow> Operand for Array<T> {
     const WORDS: usize = 2;
     #[inline(always)]
@@ -115,7 +115,7 @@ impl Port for Matrix {
     }
 }
 
-/// A port that may be absent. Absent outputs leave their value cells as they were.
+/// Port that may be absent. An absent output does not change its value slots.
 impl<T: Port> Operand for Option<T> {
     const WORDS: usize = T::WORDS + 1;
     #[inline(always)]
@@ -131,35 +131,35 @@ impl<T: Port> Operand for Option<T> {
     }
 }
 
-/// Ports that are present for sure, and the same ports when they may be absent.
+/// Tuple of ports that are always present, with the corresponding tuple of ports that may be absent.
 pub trait Row: Operand {
-    /// The ports as options.
+    /// Ports as options.
     type Maybe: Operand;
-    /// All present.
+    /// Converts present ports to options.
     fn present(self) -> Self::Maybe;
-    /// The values; a neutral one where a value is missing against the primitive's promise.
+    /// Returns the values. A missing value, which violates the presence rule of the primitive, becomes neutral.
     fn expect(maybe: Self::Maybe) -> Self;
 }
 
-/// Cells that a primitive keeps from cycle to cycle.
+/// State that a primitive keeps from cycle to cycle.
 pub trait Memory: Sized {
     /// Number of operand words.
     const WORDS: usize;
-    /// Number of cells; 0 where it depends on parameters.
+    /// Number of slots; 0 if it depends on parameters.
     const CELLS: u32;
-    /// Reads it; `words` starts at its first word.
+    /// Reads the state; `words` starts at its first word.
     fn load(cells: &[u64], words: &[u32]) -> Self;
-    /// Writes it back.
+    /// Writes the state back.
     fn store(self, cells: &mut [u64], words: &[u32]);
 }
 
-/// What a state is made of, at fixed cells.
+/// Component of a state, stored at fixed slots.
 pub trait Stored: Sized {
-    /// Number of cells.
+    /// Number of slots.
     const CELLS: usize;
-    /// Reads it from `cells[at..]`.
+    /// Reads the component from `cells[at..]`.
     fn recall(cells: &[u64], at: usize) -> Self;
-    /// Writes it to `cells[at..]`.
+    /// Writes the component to `cells[at..]`.
     fn keep(self, cells: &mut [u64], at: usize);
 }
 
@@ -175,7 +175,7 @@ impl<T: Flow> Stored for T {
     }
 }
 
-/// Reals in a row.
+/// Array of reals.
 impl<const N: usize> Stored for [f64; N] {
     const CELLS: usize = N;
     #[inline(always)]
@@ -222,7 +222,7 @@ macro_rules! tuples {
                 ($(maybe.$i.unwrap_or_else(<$t as Port>::neutral),)*)
             }
         }
-        /// Stored values side by side: a state of fixed size.
+        /// State of fixed size: components stored contiguously.
         impl<$($t: Stored),*> Memory for ($($t,)*) {
             const WORDS: usize = (Self::CELLS > 0) as usize;
             const CELLS: u32 = 0 $(+ <$t as Stored>::CELLS as u32)*;

@@ -1,29 +1,28 @@
-//! The table of all primitives.
+//! Table of all primitives.
 
 use crate::catalogue;
 use crate::cx::Cx;
 use core::cmp::Ordering;
 use rpi_image::{PrimDesc, SizeArgs};
 
-/// Runs a row of equal primitives: `operands` holds one group of words per primitive.
+/// Code that runs one primitive on each group of operand words.
 ///
-/// Words of a group, in this order: inputs, parameters, outputs, state. A single value takes its first cell, an array
-/// its first cell and its length, a matrix its first cell, rows and columns. In the `optional` form a presence cell
-/// follows at the end of each input and output (also of those that happen to be always present). Parameters that stand
-/// in for an in-port are inputs; text parameters take no word. State takes one word (fixed size) or two (first cell,
-/// length).
+/// Words of a group, in order: inputs, parameters, outputs, state. A single value is its first slot. An array is its
+/// first slot and its length; a matrix is its first slot, rows and columns. In the `optional` form, each input and
+/// output ends with a presence slot, even if it is always present. Parameters that replace an in-port are inputs; text
+/// parameters have no word. State is one word (fixed size) or two (first slot, length).
 pub type RunFn = fn(&mut Cx<'_>, &[u32]);
 
-/// A primitive: what is known of it, and its code.
+/// Primitive: declaration and code.
 #[derive(Clone, Copy, Debug)]
 pub struct Prim {
-    /// Its declaration.
+    /// Declaration.
     pub desc: PrimDesc,
-    /// Code for the case that all inputs are present and all outputs will be.
+    /// Code for inputs and outputs that are all present.
     pub total: Option<RunFn>,
-    /// Code that reads and writes presence.
+    /// Code for inputs and outputs that may be absent.
     pub optional: Option<RunFn>,
-    /// Fills the state's initial content where it is not zero.
+    /// Function that writes the initial content of the state; `None` if it is zero.
     pub init: Option<fn(&SizeArgs<'_>, &mut [u64])>,
 }
 
@@ -32,22 +31,23 @@ pub struct Prim {
 pub struct PrimId(pub u16);
 
 impl PrimId {
-    /// The primitive's declaration and code.
+    /// Returns the declaration and the code of the primitive.
     #[must_use]
     pub fn prim(self) -> &'static Prim {
         &registry()[usize::from(self.0)]
     }
 
-    /// The primitive's declaration.
+    /// Returns the declaration of the primitive.
     #[must_use]
     pub fn desc(self) -> &'static PrimDesc {
         &self.prim().desc
     }
 
-    /// The primitive of this registered name. In a constant, the compiler refuses a name that is not registered.
+    /// Returns the primitive with this registered name. As a `const fn`, it lets constants check names at compile time.
     #[must_use]
     pub const fn of(name: &str) -> Option<PrimId> {
         let all = registry();
+        // A loop, because `slice::binary_search_by` is not a `const fn`.
         let (mut from, mut to) = (0, all.len());
         while from < to {
             let middle = usize::midpoint(from, to);
@@ -61,7 +61,7 @@ impl PrimId {
     }
 }
 
-/// All primitives, sorted by registered name.
+/// Returns all primitives, sorted by registered name.
 #[must_use]
 pub const fn registry() -> &'static [Prim] {
     &catalogue::SORTED

@@ -1,13 +1,13 @@
-//! The last values of a flow, in a state sized at load.
+//! Ring buffer of the last values of a flow, in a state whose size is fixed when the command is loaded.
 //!
-//! Cells: place of the next entry, number of entries seen (up to the capacity), then the entries; each is a presence
-//! cell and the value's cells. All zero is the empty ring.
+//! Slots: position of the next entry, number of entries (up to the capacity), then the entries. Each entry is a
+//! presence slot and the slots of the value. All zero is the empty buffer.
 
 use crate::bulk::Region;
 use crate::flow::Flow;
 use core::marker::PhantomData;
 
-/// The last values of a flow, absences included.
+/// Ring buffer of the last values of a flow, including absences.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Ring<T> {
     at: usize,
@@ -19,13 +19,14 @@ impl<T: Flow> Ring<T> {
     const ENTRY: usize = 1 + T::CELLS;
     const HEAD: usize = 2;
 
-    /// Cells for a ring of `entries`, as a state's size.
+    /// Returns the number of slots of a buffer with `entries` entries.
     pub(crate) fn cells(entries: u32) -> u32 {
         let entry = u32::try_from(Self::ENTRY).unwrap_or(u32::MAX);
+        // At least one entry, because `push` computes modulo the capacity.
         entries.max(1).saturating_mul(entry).saturating_add(2)
     }
 
-    /// The ring that fills a state.
+    /// Creates the buffer that fills a state.
     pub(crate) fn of(region: Region) -> Self {
         Ring {
             at: region.at,
@@ -34,19 +35,19 @@ impl<T: Flow> Ring<T> {
         }
     }
 
-    /// How many entries it can hold.
+    /// Returns the maximum number of entries.
     pub(crate) fn capacity(self) -> usize {
         self.capacity
     }
 
-    /// How many entries it holds.
+    /// Returns the number of entries.
     pub(crate) fn len(self, cells: &[u64]) -> usize {
         usize::try_from(cells[self.at + 1])
             .unwrap_or(usize::MAX)
             .min(self.capacity)
     }
 
-    /// Adds the newest entry; the oldest leaves a full ring.
+    /// Adds the newest entry. If the buffer is full, this removes the oldest entry.
     pub(crate) fn push(self, cells: &mut [u64], value: Option<T>) {
         let next = usize::try_from(cells[self.at]).unwrap_or(0) % self.capacity;
         let entry = self.entry(next);
@@ -58,7 +59,7 @@ impl<T: Flow> Ring<T> {
         cells[self.at + 1] = (self.len(cells) + 1).min(self.capacity) as u64;
     }
 
-    /// The entry `back` pushes ago, the newest at 0; `None` if there is none or it was absent.
+    /// Returns the entry `back` pushes before the newest one; `None` if it does not exist or is an absence.
     pub(crate) fn back(self, cells: &[u64], back: usize) -> Option<T> {
         if back >= self.len(cells) {
             return None;

@@ -1,9 +1,9 @@
-//! The loops that run a row of equal primitives. One dispatch serves the whole row.
+//! Loops that run one primitive on each group of operand words. There is one dispatch per step, not per group.
 
 use crate::cx::Cx;
 use crate::operand::{Memory, Operand, Row};
 
-/// Pure code on present values: the hot path.
+/// Runs pure code on present values. This is the hot path.
 #[inline(always)]
 pub(crate) fn pure<I: Operand, O: Operand>(cx: &mut Cx<'_>, words: &[u32], code: impl Fn(I) -> O) {
     let cells = &mut *cx.cells;
@@ -12,7 +12,7 @@ pub(crate) fn pure<I: Operand, O: Operand>(cx: &mut Cx<'_>, words: &[u32], code:
     }
 }
 
-/// Code with state, parameters, clocks or faults. The order of words is inputs, parameters, outputs, state.
+/// Runs code with state, parameters, clocks or faults. The order of words is inputs, parameters, outputs, state.
 #[inline(always)]
 pub(crate) fn full<I: Operand, P: Operand, O: Operand, S: Memory>(
     cx: &mut Cx<'_>,
@@ -31,7 +31,7 @@ pub(crate) fn full<I: Operand, P: Operand, O: Operand, S: Memory>(
     }
 }
 
-/// [`full`] for code that sees and gives options, on ports that are present for sure.
+/// Runs code with options as arguments and results on ports that are always present. See [`full`].
 #[inline(always)]
 pub(crate) fn full_present<I: Row, P: Operand, O: Row, S: Memory>(
     cx: &mut Cx<'_>,
@@ -43,7 +43,7 @@ pub(crate) fn full_present<I: Row, P: Operand, O: Row, S: Memory>(
     });
 }
 
-/// [`pure`] for code that sees and gives options, on ports that are present for sure.
+/// Runs pure code with options as arguments and results on ports that are always present. See [`pure`].
 #[inline(always)]
 pub(crate) fn pure_present<I: Row, O: Row>(
     cx: &mut Cx<'_>,
@@ -53,7 +53,7 @@ pub(crate) fn pure_present<I: Row, O: Row>(
     pure::<I, O>(cx, words, |i| O::expect(code(i.present())));
 }
 
-/// Code that writes its array outputs itself.
+/// Runs code that writes its array outputs itself.
 #[inline(always)]
 pub(crate) fn bulk<I: Operand, P: Operand, O: Operand>(
     cx: &mut Cx<'_>,
@@ -68,7 +68,7 @@ pub(crate) fn bulk<I: Operand, P: Operand, O: Operand>(
     }
 }
 
-/// Code that writes its array outputs itself and returns the single values among the outputs.
+/// Runs code that writes its array outputs itself and returns the single values among the outputs.
 #[inline(always)]
 pub(crate) fn mixed<I: Operand, P: Operand, O: Operand>(
     cx: &mut Cx<'_>,
@@ -83,7 +83,7 @@ pub(crate) fn mixed<I: Operand, P: Operand, O: Operand>(
     }
 }
 
-/// [`bulk`] with one output that may be absent: the code tells whether it is present.
+/// Runs code that writes one array output and returns whether it is present. See [`bulk`].
 #[inline(always)]
 pub(crate) fn bulk_maybe<I: Operand, P: Operand, O: Operand>(
     cx: &mut Cx<'_>,

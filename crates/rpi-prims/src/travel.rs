@@ -1,38 +1,39 @@
-//! Travelling a distance in the shortest time with bounded speed, acceleration and jerk (double-S profile).
+//! Motion over a distance in the shortest time with bounded speed, acceleration and jerk (double-S profile).
 //!
-//! After Biagiotti and Melchiorri, Trajectory Planning for Automatic Machines and Robots (2008), section 3.4, but with the peak
-//! speed found by bisection: the distance of a profile grows with its peak, so that a fixed number of halvings finds it.
+//! After Biagiotti and Melchiorri, Trajectory Planning for Automatic Machines and Robots (2008), section 3.4. The peak
+//! speed is found by bisection instead of their case analysis: the distance of a profile grows with its peak speed, so
+//! a fixed number of halvings finds it.
 
-/// Bounds of a motion: all positive.
+/// Bounds of a motion; all positive.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Bounds {
-    /// Greatest speed, m/s (or rad/s).
+    /// Maximum speed, m/s (or rad/s).
     pub speed: f64,
-    /// Greatest acceleration, m/s².
+    /// Maximum acceleration, m/s².
     pub acceleration: f64,
-    /// Greatest jerk, m/s³.
+    /// Maximum jerk, m/s³.
     pub jerk: f64,
 }
 
-/// A way of given length with given speeds at its ends, planned.
+/// Planned motion over a distance with given speeds at both ends.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Travel {
-    /// Length, m.
+    /// Distance, m.
     pub distance: f64,
-    /// Speed at its start, m/s.
+    /// Speed at the start, m/s.
     pub entry: f64,
-    /// Speed at its end, m/s.
+    /// Speed at the end, m/s.
     pub leave: f64,
-    /// Greatest speed on the way, m/s; negative if the way is too short for the bounds: then it is a polynomial.
+    /// Peak speed, m/s. Negative if the distance is too short for the bounds; the motion is then a quartic polynomial.
     pub peak: f64,
-    /// The bounds.
+    /// Bounds of speed, acceleration and jerk.
     pub bounds: Bounds,
 }
 
-/// Where a travel is at a time.
+/// State of a motion at a point in time.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct State {
-    /// Travelled so far, m.
+    /// Distance covered since the start, m.
     pub position: f64,
     /// Speed, m/s.
     pub speed: f64,
@@ -40,14 +41,14 @@ pub struct State {
     pub acceleration: f64,
 }
 
-/// Share of a period by which a duration may be over a whole number of them.
+/// Fraction of a period by which a duration may exceed a whole number of periods, to allow for rounding.
 const ROUNDING: f64 = 1e-6;
 
-/// Halvings that find the peak speed to the last bit of a double.
+/// Number of bisection steps that determine the peak speed to the last bit of a double.
 const HALVINGS: u32 = 64;
 
 impl Travel {
-    /// Plans the fastest travel. Speeds at the ends are cut to the bounds, a negative distance counts as none.
+    /// Plans the fastest motion. End speeds are limited to the bounds. A negative distance counts as 0.
     #[must_use]
     pub fn plan(distance: f64, entry: f64, leave: f64, bounds: Bounds) -> Travel {
         let cut = |v: f64| libm::fmin(libm::fmax(v, 0.0), bounds.speed);
@@ -64,8 +65,8 @@ impl Travel {
         travel
     }
 
-    /// Plans a travel that takes a whole number of periods: the fastest one with a peak lowered until it fits.
-    /// Gives the number of periods, too.
+    /// Plans a motion that takes a whole number of periods: the fastest motion, with its peak speed lowered to fit.
+    /// Also returns the number of periods.
     #[must_use]
     pub fn plan_periods(
         distance: f64,
@@ -85,7 +86,7 @@ impl Travel {
         (travel, periods)
     }
 
-    /// The greatest peak with which it takes at least `duration`.
+    /// Returns the largest peak speed with which the motion takes at least `duration` seconds.
     fn slower_peak(&self, duration: f64) -> f64 {
         let (mut low, mut high) = (0.5 * self.peak, self.peak);
         for _ in 0..HALVINGS {
@@ -100,7 +101,7 @@ impl Travel {
         high
     }
 
-    /// The greatest peak whose ramps still fit; negative if not even the lowest does.
+    /// Returns the largest peak speed whose ramps fit into the distance; negative if none fits.
     fn highest_peak(&self) -> f64 {
         let mut low = libm::fmax(self.entry, self.leave);
         if self.ramps(low) > self.distance {
@@ -118,12 +119,12 @@ impl Travel {
         low
     }
 
-    /// Length of both ramps for a peak speed.
+    /// Returns the distance of both ramps for a peak speed.
     fn ramps(&self, peak: f64) -> f64 {
         self.bounds.ramp(self.entry, peak).length() + self.bounds.ramp(peak, self.leave).length()
     }
 
-    /// Seconds from start to end.
+    /// Returns the duration in s.
     #[must_use]
     pub fn duration(&self) -> f64 {
         if self.peak < 0.0 {
@@ -145,7 +146,7 @@ impl Travel {
         }
     }
 
-    /// Where it is `t` seconds after its start; before and after it goes on with the speed of its end.
+    /// Returns the state `t` seconds after the start. Before the start and after the end, the speed is constant.
     #[must_use]
     pub fn at(&self, t: f64) -> State {
         if self.peak < 0.0 {
@@ -174,7 +175,8 @@ impl Travel {
         }
     }
 
-    /// Quartic without acceleration at its ends, for ways too short for the bounds.
+    /// Returns the state on a quartic polynomial with zero acceleration at both ends, for distances too short for the
+    /// bounds.
     fn polynomial(&self, t: f64) -> State {
         let duration = self.duration();
         if t >= duration {
@@ -196,13 +198,13 @@ impl Travel {
 }
 
 impl Bounds {
-    /// True if each is more than 0.
+    /// Returns whether all bounds are positive.
     #[must_use]
     pub fn are_positive(&self) -> bool {
         self.speed > 0.0 && self.acceleration > 0.0 && self.jerk > 0.0
     }
 
-    /// The fastest change from one speed to another without acceleration at its ends.
+    /// Returns the fastest change between two speeds with zero acceleration at both ends.
     fn ramp(&self, from: f64, to: f64) -> Ramp {
         let change = libm::fabs(to - from);
         let jerk_time = libm::fmin(
@@ -225,7 +227,7 @@ impl Bounds {
     }
 }
 
-/// A change of speed: jerk up, constant acceleration, jerk down.
+/// Change of speed: jerk phase, constant acceleration, opposite jerk phase.
 struct Ramp {
     from: f64,
     to: f64,
@@ -239,7 +241,7 @@ impl Ramp {
         2.0 * self.jerk_time + self.hold_time
     }
 
-    /// It is point symmetric, so that its mean speed is that of its ends.
+    /// Returns the distance covered. The ramp is point symmetric, so its mean speed is the mean of both end speeds.
     fn length(&self) -> f64 {
         0.5 * (self.from + self.to) * self.duration()
     }
@@ -303,7 +305,7 @@ mod tests {
         jerk: 10.0,
     };
 
-    /// Distances and end speeds over five orders of magnitude.
+    /// Returns motions with distances and end speeds over five orders of magnitude.
     fn cases() -> impl Iterator<Item = Travel> {
         let distances = [0.0, 1e-6, 1e-3, 0.01, 0.05, 0.2, 1.0, 5.0];
         let speeds = [0.0, 0.01, 0.1, 0.25, 0.4];
@@ -383,7 +385,8 @@ mod tests {
                 Travel::plan_periods(fast.distance, fast.entry, fast.leave, BOUNDS, dt);
             let left = periods * dt - slow.duration();
             assert!((-1e-8..dt).contains(&left), "{slow:?} {periods}");
-            // Where the ends leave no room for another speed it is stretched where it is used: hardly, on all but tiny ways.
+            // Where the ends leave no other choice of speed, the motion is stretched when it runs. The stretch is small
+            // except for tiny distances.
             let share = left / (periods * dt);
             assert!(share < 3e-3 || slow.distance < 0.05, "{slow:?} {periods}");
             assert!(slow.duration() - fast.duration() < dt, "{slow:?} {fast:?}");
@@ -392,7 +395,7 @@ mod tests {
 
     #[test]
     fn rest_to_rest_takes_the_time_of_the_textbook() {
-        // 1 m with 0.25 m/s, 1 m/s², 10 m/s³: D/v + v/a + a/j.
+        // The expected duration is D/v + v/a + a/j for 1 m with 0.25 m/s, 1 m/s² and 10 m/s³.
         let travel = Travel::plan(1.0, 0.0, 0.0, BOUNDS);
         assert!((travel.duration() - (4.0 + 0.25 + 0.1)).abs() < 1e-9);
     }

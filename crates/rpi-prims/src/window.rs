@@ -1,7 +1,9 @@
-//! The sum of a flow's last values, in a state sized at load, at a constant cost per cycle.
+//! Moving sum over the last values of a flow, in a state whose size is fixed when the command is loaded, at constant
+//! cost per cycle.
 //!
-//! A running sum that only adds and subtracts drifts, and keeps an infinity for ever. So a second sum is built from
-//! nothing on each turn of the buffer and replaces the first when the turn is complete: errors live for one turn.
+//! A running sum that only adds and subtracts accumulates rounding errors and keeps an infinity for ever. So a second
+//! sum is built from zero during each turn of the buffer and replaces the running sum at the end of the turn. An error
+//! lasts for one turn at most.
 
 use crate::bulk::Region;
 use crate::flow::{Flow, Vector};
@@ -9,17 +11,17 @@ use core::marker::PhantomData;
 use core::ops::{Add, Sub};
 use nalgebra::Quaternion;
 
-/// What can be summed up. All cells zero is its zero.
+/// Type that can be summed. All slots zero must represent zero.
 pub(crate) trait Summand: Copy + Add<Output = Self> + Sub<Output = Self> {
-    /// Number of cells.
+    /// Number of slots.
     const CELLS: u32;
-    /// What the all-zero cells hold.
+    /// Returns zero, the value of all-zero slots.
     fn zero() -> Self {
         Self::load(&[0; 4], 0)
     }
-    /// Reads it from `cells[at..]`.
+    /// Reads a value from `cells[at..]`.
     fn load(cells: &[u64], at: usize) -> Self;
-    /// Writes it to `cells[at..]`.
+    /// Writes the value to `cells[at..]`.
     fn store(self, cells: &mut [u64], at: usize);
 }
 
@@ -52,7 +54,7 @@ impl Summand for Quaternion<f64> {
     }
 }
 
-/// The last values of a flow and their sum. All cells zero is the empty window.
+/// Window over the last values of a flow and their sum. All slots zero is the empty window.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Window<T> {
     at: usize,
@@ -62,16 +64,17 @@ pub(crate) struct Window<T> {
 
 impl<T: Summand> Window<T> {
     const EACH: usize = T::CELLS as usize;
-    /// Place of the next entry, entries seen, running sum, sum of this turn.
+    /// Number of slots before the entries: position of the next entry, number of entries, running sum, sum of this
+    /// turn.
     const HEAD: usize = 2 + 2 * Self::EACH;
 
-    /// Cells for a window over `entries`, as a state's size.
+    /// Returns the number of slots of a window over `entries` values.
     pub(crate) fn cells(entries: u32) -> u32 {
         let head = 2 + 2 * T::CELLS;
         entries.max(1).saturating_mul(T::CELLS).saturating_add(head)
     }
 
-    /// The window that fills a state.
+    /// Creates the window that fills a state.
     pub(crate) fn of(region: Region) -> Self {
         Window {
             at: region.at,
@@ -80,22 +83,22 @@ impl<T: Summand> Window<T> {
         }
     }
 
-    /// How many values it spans.
+    /// Returns the maximum number of values.
     pub(crate) fn capacity(self) -> usize {
         self.capacity
     }
 
-    /// How many values it holds.
+    /// Returns the number of values.
     pub(crate) fn len(self, cells: &[u64]) -> usize {
         cells[self.at + 1] as usize
     }
 
-    /// Forgets everything.
+    /// Empties the window.
     pub(crate) fn clear(self, cells: &mut [u64]) {
         cells[self.at..self.entry(self.capacity)].fill(0);
     }
 
-    /// The value pushed last; zero in an empty window.
+    /// Returns the newest value; zero if the window is empty.
     pub(crate) fn newest(self, cells: &[u64]) -> T {
         T::load(
             cells,
@@ -103,7 +106,7 @@ impl<T: Summand> Window<T> {
         )
     }
 
-    /// Adds the newest value, drops the oldest of a full window and returns the sum.
+    /// Adds the newest value, removes the oldest one from a full window and returns the sum.
     pub(crate) fn push(self, cells: &mut [u64], value: T) -> T {
         let (sum_at, turn_at) = (self.at + 2, self.at + 2 + Self::EACH);
         let next = self.next(cells);

@@ -1,14 +1,14 @@
-//! The registry against the catalogue of the reference system.
+//! Tests of the registry against the catalogue of the reference system.
 
 use rpi_image::{Need, ParamType, PortType, PrimDesc, Scalar};
 use rpi_prims::differences::EXTRA_IN_PORTS;
 use rpi_prims::{PrimId, registry};
 use std::collections::BTreeSet;
 
-/// In-ports of the reference that it ignores itself.
+/// In-ports that the reference system declares but ignores.
 const IGNORED: [(&str, &str); 2] = [("IO::OutBool", "inActive"), ("IO::OutReal", "inActive")];
 
-/// Types that are not ours: field buses of single vendors, and names registered by mistake or without code.
+/// Types that are not supported: field buses of single vendors, and names registered by mistake or without code.
 const FOREIGN: [&str; 4] = [
     "schunkwsg::",
     "KUKA::youBot::",

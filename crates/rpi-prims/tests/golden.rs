@@ -1,5 +1,5 @@
-//! Primitives by example: inputs, and what must come out. Those that the recorded traces exercise are tested there; those
-//! on matrices, arrays and bits have a file of their own.
+//! Tests of primitives by example: inputs and expected outputs. Primitives in the recorded traces are tested there;
+//! matrices, arrays and bits are tested in `golden_bulk.rs`.
 
 mod common;
 
@@ -45,7 +45,7 @@ fn reals_and_their_functions() {
     ]);
 }
 
-/// The operators of SMT-LIB's theory of bit vectors: `bvadd`, `bvudiv`, `bvsrem`, `bvashr` and their like.
+/// Operators of the SMT-LIB theory of bit vectors: `bvadd`, `bvudiv`, `bvsrem`, `bvashr` and others.
 #[test]
 fn machine_integers() {
     let (i8, u8, u64) = (-8_i64, 8_i64, 64_i64);

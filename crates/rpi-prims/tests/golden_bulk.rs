@@ -1,4 +1,4 @@
-//! Matrices, arrays and rows of bits by example: parameters and inputs, and what must come out.
+//! Tests of matrices, arrays and arrays of bits by example: parameters, inputs and expected outputs.
 
 mod common;
 

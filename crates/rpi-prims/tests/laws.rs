@@ -1,4 +1,4 @@
-//! Laws that every primitive with code keeps, on random and on extreme inputs.
+//! Properties of all primitives with code, tested on random and on extreme inputs.
 
 mod common;
 
@@ -8,7 +8,7 @@ use rpi_prims::{Prim, registry};
 
 rpi_testkit::trap_allocations!();
 
-/// Deterministic numbers (splitmix64).
+/// Deterministic pseudo-random number generator (SplitMix64).
 struct Dice(u64);
 
 impl Dice {
@@ -23,7 +23,7 @@ impl Dice {
         (self.roll() >> 11) as f64 / (1_u64 << 53) as f64 * 4.0 - 2.0
     }
 
-    /// A value as a well-behaved net would carry it.
+    /// Returns a typical value of a type.
     fn value(&mut self, ty: Type) -> Value {
         let scalar = match ty {
             Type::One(s) | Type::Array(s, _) => s,
@@ -55,7 +55,7 @@ impl Dice {
         [r.i, r.j, r.k, r.w].map(f64::to_bits).to_vec()
     }
 
-    /// A value that nobody expects.
+    /// Returns an extreme value of a type.
     fn extreme(&mut self, ty: Type) -> Value {
         const REALS: [f64; 8] = [
             f64::NAN,

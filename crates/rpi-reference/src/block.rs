@@ -1,4 +1,4 @@
-//! Blocks: when a fragment or a state is active, and when it starts afresh.
+//! Blocks: activation of fragments and states, and their restart.
 
 use std::collections::BTreeSet;
 
@@ -9,7 +9,8 @@ use crate::instance::{Here, InstanceId, State};
 use crate::value::Stop;
 
 impl<'p> Reference<'p> {
-    /// Whether a block is active in this cycle (M6.2, M6.3). If it starts afresh, it forgets before anything in it runs.
+    /// Returns whether a block is active in this cycle (M6.2, M6.3). A block that restarts is reset before anything in
+    /// it is evaluated.
     pub(crate) fn is_active(&mut self, instance: InstanceId, block: BlockId) -> Result<bool, Stop> {
         if let Some(known) = self.instances[instance].now.active.get(&block) {
             return Ok(*known);
@@ -31,7 +32,7 @@ impl<'p> Reference<'p> {
         Ok(active)
     }
 
-    /// Evaluates the condition of a block, which stands around it.
+    /// Evaluates the activation condition of a block, which belongs to the enclosing block.
     pub(crate) fn condition(&mut self, instance: InstanceId, block: BlockId) -> Result<(), Stop> {
         let unit = self.instances[instance].unit;
         let parent = unit.block(block).parent;
@@ -50,7 +51,7 @@ impl<'p> Reference<'p> {
         }
     }
 
-    /// Whether a block is active of which the parent is.
+    /// Returns whether a block with an active parent is active.
     fn begins(&mut self, here: Here, block: BlockId) -> Result<bool, Stop> {
         let unit = self.instances[here.instance].unit;
         if let Some(parent) = here.block
@@ -77,7 +78,7 @@ impl<'p> Reference<'p> {
         Ok(active)
     }
 
-    /// The state of an automaton in this cycle: strong transitions act before it runs.
+    /// Returns the state of an automaton in this cycle. Strong transitions are taken before the state runs.
     fn state(&mut self, here: Here, block: BlockId, k: usize) -> Result<State, Stop> {
         if let Some(known) = self.instances[here.instance].now.states.get(&(block, k)) {
             return Ok(*known);
@@ -92,7 +93,7 @@ impl<'p> Reference<'p> {
         Ok(state)
     }
 
-    /// The state that an automaton is in before strong transitions act.
+    /// Returns the state of an automaton before strong transitions.
     fn before(&mut self, here: Here, block: BlockId, k: usize) -> State {
         let start = State {
             index: self.automaton(here, block, k).initial,
@@ -102,7 +103,8 @@ impl<'p> Reference<'p> {
         memory.states.get(&k).copied().unwrap_or(start)
     }
 
-    /// The states that have to start afresh when they run next: also one that was entered so and left before it ran (M14.6).
+    /// Returns the states that must restart when they run next. This includes a state that was entered with a restart
+    /// and left before it ran (M14.6).
     fn owed(&mut self, here: Here, block: BlockId, k: usize, before: State) -> BTreeSet<u32> {
         let memory = self.instances[here.instance].memory(Some(block));
         let mut owed = memory.owed.get(&k).cloned().unwrap_or_default();
@@ -112,8 +114,9 @@ impl<'p> Reference<'p> {
         owed
     }
 
-    /// The transitions of an automaton: weak ones act in the next cycle. All conditions are evaluated: those of strong
-    /// transitions stand around the states, and fault only in theirs; those of weak ones stand in them.
+    /// Evaluates the transitions of an automaton; weak ones take effect in the next cycle. All conditions are
+    /// evaluated. Those of strong transitions belong to the enclosing block and can fault only if the automaton is in
+    /// their state; those of weak transitions belong to the state.
     pub(crate) fn transitions(&mut self, here: Here, block: BlockId, k: usize) -> Result<(), Stop> {
         let automaton = self.automaton(here, block, k);
         let state = self.state(here, block, k)?;
@@ -151,7 +154,7 @@ impl<'p> Reference<'p> {
         Ok(())
     }
 
-    /// Where the first transition leads whose condition holds.
+    /// Returns the target of the first transition whose condition holds.
     fn taken(&mut self, here: Here, transitions: &[Transition]) -> Result<Option<State>, Stop> {
         for transition in transitions {
             let holds = match transition.condition {
@@ -173,7 +176,7 @@ impl<'p> Reference<'p> {
     }
 }
 
-/// Which automaton has a block as a state, and as which.
+/// Returns the automaton that has a block as a state, and the index of that state.
 fn state_of(automata: &[Automaton], block: BlockId) -> Option<(usize, u32)> {
     for (k, automaton) in automata.iter().enumerate() {
         for (index, state) in (0..).zip(&automaton.states) {

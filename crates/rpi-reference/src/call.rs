@@ -1,4 +1,4 @@
-//! Calls: behind each stands an instance of its own, which lives as long as the block that calls (M6.5).
+//! Calls. Each call has its own instance, which lives as long as the calling block is not reset (M6.5).
 
 use rpi_sema::typed::{Activation, Call, Each, ExprId, Kind, UnitId, UnitKind};
 
@@ -7,7 +7,7 @@ use crate::instance::{Here, Instance, InstanceId};
 use crate::value::{Leaf, Stop};
 
 impl<'p> Reference<'p> {
-    /// A leaf of what a call gives.
+    /// Returns a leaf of the result of a call.
     pub(crate) fn result(
         &mut self,
         here: Here,
@@ -25,8 +25,8 @@ impl<'p> Reference<'p> {
         }
     }
 
-    /// Between its runs an activated call gives what it gave last, which may be nothing; before the first the default of
-    /// the first cycle.
+    /// Returns the result of a conditionally activated call. While the call does not run, this is the result of its
+    /// last run, which may be absent; before the first run it is the default of the first cycle.
     fn lasting(
         &mut self,
         here: Here,
@@ -46,7 +46,7 @@ impl<'p> Reference<'p> {
         Ok(leaf)
     }
 
-    /// The instance behind a call, if it runs in this cycle.
+    /// Returns the instance of a call, or `None` if the call does not run in this cycle.
     pub(crate) fn called(
         &mut self,
         here: Here,
@@ -63,7 +63,7 @@ impl<'p> Reference<'p> {
         Ok(entered)
     }
 
-    /// Whether a call runs, and whether it starts afresh.
+    /// Returns whether a call runs, and whether it restarts.
     fn activation(&mut self, here: Here, activation: &Activation) -> Result<(bool, bool), Stop> {
         let here = here.unguarded();
         Ok(match activation {
@@ -100,7 +100,7 @@ impl<'p> Reference<'p> {
         instance
     }
 
-    /// A leaf of an instance's out-ports, one after the other.
+    /// Returns a leaf of the out-ports of an instance, numbered consecutively.
     fn output(&mut self, instance: InstanceId, mut k: usize) -> Result<Leaf, Stop> {
         let unit = self.instances[instance].unit;
         for flow in &unit.outputs {
@@ -110,11 +110,11 @@ impl<'p> Reference<'p> {
             }
             k -= size;
         }
-        Err(Stop::Beyond("an out-port that is not there".to_owned()))
+        Err(Stop::Beyond("a missing out-port".to_owned()))
     }
 
-    /// Whether what a call computes is needed only where the call is: it has no state, nor has anything that it calls
-    /// (M6.7).
+    /// Returns whether the evaluation of a call is needed only where its value is needed: neither the callee nor
+    /// anything that it calls has state (M6.7).
     pub(crate) fn follows_choice(&self, call: &Call) -> bool {
         matches!(call.activation, Activation::Always) && self.is_stateless(call.unit)
     }
@@ -126,7 +126,7 @@ impl<'p> Reference<'p> {
             UnitKind::Node => {}
             _ => return false,
         }
-        // Fragments and states in it; contracts are part of it.
+        // Blocks other than the body are fragments and states. Contracts do not count.
         let mut inner = unit.blocks.iter().skip(1);
         let has_parts = inner.any(|block| !block.is_contract)
             || unit.blocks.iter().any(|block| !block.automata.is_empty());

@@ -1,9 +1,9 @@
-//! Clocks (M4.7): in which cycles each part of a value has one, found in the most obvious way.
+//! Clocks (M4.7): the cycles in which each leaf of a value is present, computed naively.
 //!
-//! The clock of a flow is that of its defining expression. The clock of an expression is what the clocks of its operands
-//! have in common; a literal has no clock of its own and ticks with whatever reads it. This is worked out again and again,
-//! over all equations in any order, until nothing changes. It takes nothing from the checker's inference, which unifies:
-//! what one of the two gets wrong shows as a difference of values.
+//! The clock of a flow is that of its defining expression. The clock of an expression is the common prefix of the
+//! clocks of its operands; a literal has no clock of its own and adopts that of its reader. The equations are evaluated
+//! repeatedly, in any order, until nothing changes. The clock inference of the checker, which uses unification, is not
+//! used: an error in either of the two shows up as a difference of values.
 
 mod calls;
 mod context;
@@ -14,54 +14,55 @@ use rpi_sema::typed::{BlockId, ClockOn, Each, ExprId, FlowId, FlowRole, Kind, Un
 
 pub(crate) use calls::call_of;
 
-/// What decides about a sampling.
+/// Origin of the condition of a sampling.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) enum Decider {
-    /// A flow of the unit.
+    /// Flow of the unit.
     Flow(FlowId),
-    /// What decides behind a call, where the caller has no name for it.
+    /// Condition inside a call that has no name in the caller: the call, and the condition in the callee.
     Behind(ExprId, Box<Decider>),
 }
 
-/// A sampling: the cycles in which something has a value.
+/// One sampling step: the cycles in which the condition has the given value.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) struct Sampling {
     pub(crate) by: Decider,
     pub(crate) value: u32,
 }
 
-/// What is sampled one after the other, from all cycles of the block on; none of a literal, which has every clock.
+/// Clock: the sampling steps, starting from all cycles of the block. `None` for a literal, which adapts to any clock.
 pub(crate) type Clock = Option<Rc<[Sampling]>>;
 
-/// The clocks of a unit, leaf by leaf.
+/// Clocks of a unit, by leaf.
 pub(crate) struct Clocks {
     pub(crate) flows: Vec<Vec<Clock>>,
     pub(crate) exprs: Vec<Vec<Clock>>,
-    /// Of each call the clock by which it runs.
+    /// For each call expression the clock on which the call runs.
     pub(crate) calls: Vec<Clock>,
-    /// Of each expression the block it stands in.
+    /// For each expression the block that contains it.
     blocks: Vec<BlockId>,
 }
 
-/// A unit of which the clocks are being found.
+/// Computation of the clocks of one unit.
 struct Finder<'p> {
     unit: &'p Unit,
     units: &'p [Unit],
-    /// The clocks of the units that it calls.
+    /// Clocks of the called units.
     known: &'p [Option<Rc<Clocks>>],
     found: Clocks,
-    /// Whether all is known that flows with clocks of their own tell.
+    /// Whether the clocks that follow from flows with declared clocks are complete.
     is_settled: bool,
-    /// Whether what has a first cycle of its own, and nothing that gives it a clock, starts with the body.
+    /// Whether the base clock is assigned to operators and calls that have their own first cycle but no clock from
+    /// operands.
     has_starts: bool,
 }
 
-/// All cycles.
+/// Returns the base clock: all cycles.
 pub(crate) fn base() -> Clock {
     Some(Rc::new([]))
 }
 
-/// The clocks of all units.
+/// Computes the clocks of all units.
 pub(crate) fn clocks(units: &[Unit]) -> Vec<Rc<Clocks>> {
     let mut known = vec![None; units.len()];
     for k in 0..units.len() {
@@ -70,7 +71,7 @@ pub(crate) fn clocks(units: &[Unit]) -> Vec<Rc<Clocks>> {
     known.into_iter().flatten().collect()
 }
 
-/// The clocks of a unit, after those that it calls; no unit calls itself.
+/// Computes the clocks of a unit after those of its callees. Units are not recursive.
 fn of_unit(units: &[Unit], k: usize, known: &mut Vec<Option<Rc<Clocks>>>) {
     if known[k].is_some() {
         return;
@@ -84,13 +85,13 @@ fn of_unit(units: &[Unit], k: usize, known: &mut Vec<Option<Rc<Clocks>>>) {
 }
 
 impl Clocks {
-    /// Whether anything is sampled.
+    /// Returns whether any expression is sampled.
     pub(crate) fn are_sampled(&self) -> bool {
         let mut leaves = self.exprs.iter().flatten().flatten();
         leaves.any(|clock| !clock.is_empty())
     }
 
-    /// The block that an expression stands in.
+    /// Returns the block that contains an expression.
     pub(crate) fn block(&self, id: ExprId) -> BlockId {
         self.blocks[id.0 as usize]
     }
@@ -123,15 +124,15 @@ impl<'p> Finder<'p> {
         while self.always_ticks() {
             self.until_nothing_changes();
         }
-        // Last, because a clock that is not known yet may still decide when a call or `hold` starts.
+        // This step comes last, because a clock that is not yet known may still determine when a call or `hold` starts.
         self.has_starts = true;
         self.until_nothing_changes();
         self.settle();
         self.found
     }
 
-    /// What nothing has given a clock has a value in all cycles: first flows that wait for no others that decide. Whether
-    /// there was any.
+    /// Assigns the base clock to flows without a clock, first to flows that do not depend on the clocks of others.
+    /// Returns false if there were none.
     fn always_ticks(&mut self) -> bool {
         let flows = (0..).map(FlowId).take(self.unit.flows.len());
         let open: Vec<FlowId> = flows.filter(|id| self.is_open(*id)).collect();
@@ -150,7 +151,7 @@ impl<'p> Finder<'p> {
         self.found.flows[id.0 as usize].contains(&None)
     }
 
-    /// Whether the value of a flow is sampled somewhere by one that has no clock yet.
+    /// Returns whether the value of a flow is sampled, somewhere in its definition, by a flow that has no clock yet.
     fn waits(&self, id: FlowId) -> bool {
         let (mut met, mut flows) = (vec![false; self.unit.flows.len()], vec![id]);
         while let Some(id) = flows.pop() {
@@ -194,7 +195,7 @@ impl<'p> Finder<'p> {
         }
     }
 
-    /// The clock of a flow, as far as those of others are known.
+    /// Returns the clock of a flow, as far as those of the others are known.
     fn flow(&self, id: FlowId, k: usize) -> Clock {
         let flow = self.unit.flow(id);
         if let Some(on) = flow.clock {
@@ -205,18 +206,19 @@ impl<'p> Finder<'p> {
         }
         match crate::flow::definition(self.unit, id, k) {
             Some((_, value, leaf)) => self.found.exprs[value.0 as usize][leaf].clone(),
-            // A port, or what several states define: present or not, it is looked at in all cycles.
+            // A port or a flow shared by states is read in all cycles, present or not.
             None => base(),
         }
     }
 
-    /// The cycles of a flow in which it has a value.
+    /// Returns the clock of the cycles in which a flow has a given value.
     fn on(&self, on: ClockOn) -> Clock {
         let decides = self.found.flows[on.flow.0 as usize].first()?.clone()?;
         Some(then(&decides, self.by(on.flow), on.value))
     }
 
-    /// What decides where a flow does: one that only passes on another is that one. In Lustre each name decides by itself.
+    /// Returns the condition represented by a flow. In RPI a flow that copies another stands for that one; in Lustre
+    /// each name is a separate clock.
     fn by(&self, flow: FlowId) -> Decider {
         let mut flow = flow;
         for _ in 0..self.unit.flows.len() {
@@ -233,7 +235,7 @@ impl<'p> Finder<'p> {
         Decider::Flow(flow)
     }
 
-    /// The clock of a leaf of an expression, of which the operands are known.
+    /// Returns the clock of a leaf of an expression whose operands have clocks.
     fn leaf(&mut self, id: ExprId, k: usize) -> Clock {
         let expr = self.unit.expr(id);
         match &expr.kind {
@@ -259,8 +261,8 @@ impl<'p> Finder<'p> {
         }
     }
 
-    /// Whether a flow has its own clock where it is read. Outside of a fragment or state its flows are optional ones of
-    /// the surroundings (M4.2).
+    /// Returns whether a flow has its own clock at a reader. Outside of its fragment or state, it is an optional flow
+    /// of the enclosing block (M4.2).
     fn is_seen(&self, flow: FlowId, reader: ExprId) -> bool {
         let mut around = Some(self.found.blocks[reader.0 as usize]);
         while let Some(block) = around {
@@ -272,7 +274,7 @@ impl<'p> Finder<'p> {
         false
     }
 
-    /// The leaves of the operands that a leaf is made of.
+    /// Calls `read` with the leaves of the operands from which a leaf is computed.
     fn reads(
         &self,
         kind: &Kind,
@@ -301,7 +303,7 @@ impl<'p> Finder<'p> {
             }
             Kind::Each(_, operands) => {
                 for operand in operands {
-                    // The condition of an `if` has one leaf, whatever it chooses.
+                    // The condition of an `if` has one leaf, whatever the number of leaves of its branches.
                     let leaf = if size(*operand) == ty.leaf_count() {
                         k
                     } else {
@@ -317,13 +319,13 @@ impl<'p> Finder<'p> {
     }
 }
 
-/// A clock that is sampled once more.
+/// Returns a clock with one more sampling step.
 fn then(clock: &[Sampling], by: Decider, value: u32) -> Rc<[Sampling]> {
     let last = Sampling { by, value };
     clock.iter().cloned().chain([last]).collect()
 }
 
-/// What clocks have in common: the slowest from which all of them are sampled.
+/// Returns the common prefix of clocks: the slowest clock from which all of them are sampled.
 fn common(clocks: impl Iterator<Item = Clock>) -> Clock {
     clocks.flatten().map(Some).reduce(|a, b| {
         let (a, b) = (a?, b?);

@@ -1,4 +1,5 @@
-//! One cycle: everything that is active once (M1.2), then what is kept for the next.
+//! Execution of a cycle: every active expression is evaluated once (M1.2), then the memory for the next cycle is
+//! updated.
 
 use std::collections::BTreeSet;
 use std::rc::Rc;
@@ -12,54 +13,54 @@ use crate::clock::{self, Clocks};
 use crate::instance::{Here, Instance, InstanceId, Now, Place, State};
 use crate::value::{Leaf, Stop};
 
-/// A program at work.
+/// Interpreter of a program, with its state.
 pub struct Reference<'p> {
     pub(crate) units: &'p [Unit],
-    /// The clocks of each unit.
+    /// Clocks of each unit.
     pub(crate) clocks: Vec<Rc<Clocks>>,
-    /// All instances that ever were; those that were forgotten stay here unused.
+    /// All instances ever created; instances dropped by a reset remain here unused.
     pub(crate) instances: Vec<Instance<'p>>,
-    /// Number of the cycle.
+    /// Number of the current cycle, from 1.
     pub(crate) cycle: u64,
-    /// Seconds between two cycles.
+    /// Period of a cycle in seconds.
     pub(crate) dt: f64,
-    /// What is read from outside in this cycle, leaf by leaf.
+    /// Inputs of the current cycle, by leaf.
     pub(crate) inputs: Vec<Leaf>,
-    /// What is kept for the next cycle.
+    /// Updates of the memory for the next cycle.
     pub(crate) keep: Vec<(Here, Keep)>,
 }
 
-/// Something that is kept for the next cycle.
+/// Update of the memory for the next cycle.
 pub(crate) enum Keep {
-    /// A leaf of what is delayed: worked out at the end of the cycle.
+    /// Leaf of a delayed expression; it is evaluated at the end of the cycle.
     Delayed(ExprId, usize, ExprId),
-    /// A leaf that is known.
+    /// Leaf with a known value.
     Leaf(ExprId, usize, Leaf),
-    /// A leaf of a flow that states share: worked out at the end of the cycle.
+    /// Leaf of a flow shared by states; it is evaluated at the end of the cycle.
     Last(FlowId, usize),
-    /// The same, known.
+    /// Leaf of a flow shared by states, with a known value.
     LastLeaf(FlowId, usize, Leaf),
-    /// A leaf of `a -> b`, or `first`, has had its first cycle.
+    /// Leaf of `a -> b` or `first` that has had its first cycle.
     Begun(ExprId, usize),
     /// Whether a block was active.
     Active(BlockId, bool),
-    /// The state of an automaton, and those that still have to start afresh.
+    /// State of an automaton, and the states that must still restart.
     State(usize, State, BTreeSet<u32>),
 }
 
-/// What is seen of a cycle.
+/// Observable result of a cycle.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Cycle {
-    /// The out-ports, leaf by leaf.
+    /// Out-ports, by leaf.
     pub outputs: Vec<Leaf>,
-    /// The exported flows, leaf by leaf, in the order of the text.
+    /// Exported flows, by leaf, in source order.
     pub exports: Vec<Leaf>,
-    /// The result by which a command ends, by its place in the text. No `yield` is covered.
+    /// Result with which a command ends, by its index in source order. `yield` is not supported.
     pub end: Option<usize>,
 }
 
 impl<'p> Reference<'p> {
-    /// A program before its first cycle: a unit that runs by itself. `dt` is its period in seconds.
+    /// Creates an interpreter for a unit that runs on its own. `dt` is the period in seconds.
     #[must_use]
     pub fn new(units: &'p [Unit], root: UnitId, dt: f64) -> Reference<'p> {
         Reference {
@@ -73,10 +74,10 @@ impl<'p> Reference<'p> {
         }
     }
 
-    /// Runs a cycle. `inputs` has the leaves of all in-ports.
+    /// Runs a cycle. `inputs` contains the leaves of all in-ports.
     ///
     /// # Errors
-    /// If the cycle faults: then there is no next one.
+    /// If the cycle faults; no further cycle may be run then.
     pub fn cycle(&mut self, inputs: &[Leaf]) -> Result<Cycle, Stop> {
         self.cycle += 1;
         self.inputs = inputs.to_vec();
@@ -108,7 +109,7 @@ impl<'p> Reference<'p> {
         };
     }
 
-    /// Evaluates all that stands in an instance and is active.
+    /// Evaluates all active expressions of an instance.
     pub(crate) fn body(&mut self, instance: InstanceId) -> Result<(), Stop> {
         let unit = self.instances[instance].unit;
         self.ports(instance)?;
@@ -138,7 +139,7 @@ impl<'p> Reference<'p> {
         Ok(())
     }
 
-    /// What an equation defines must lie in the subranges of the flows.
+    /// Checks that the values defined by an equation lie in the subranges of the flows.
     fn targets(&mut self, instance: InstanceId, equation: &Equation) -> Result<(), Stop> {
         for target in &equation.targets {
             if let typed::Place::Flow { flow, at } = target.place {
@@ -150,7 +151,7 @@ impl<'p> Reference<'p> {
         Ok(())
     }
 
-    /// What comes in must lie in the subranges of the in-ports.
+    /// Checks that the inputs lie in the subranges of the in-ports.
     fn ports(&mut self, instance: InstanceId) -> Result<(), Stop> {
         let unit = self.instances[instance].unit;
         let from_outside = self.instances[instance].caller.is_none();
@@ -162,7 +163,7 @@ impl<'p> Reference<'p> {
         Ok(())
     }
 
-    /// Inside of a block.
+    /// Returns the evaluation context inside a block.
     pub(crate) fn inside(&self, instance: InstanceId, block: BlockId) -> Here {
         Here {
             instance,
@@ -171,7 +172,8 @@ impl<'p> Reference<'p> {
         }
     }
 
-    /// Evaluates all leaves of an expression and of its operands: what is not asked for may still fault or have state.
+    /// Evaluates all leaves of an expression and of its operands, because an expression whose value is not used may
+    /// still fault or have state.
     pub(crate) fn visit(&mut self, here: Here, id: ExprId) -> Result<(), Stop> {
         if !self.instances[here.instance].now.visited.insert(id) {
             return Ok(());
@@ -200,8 +202,8 @@ impl<'p> Reference<'p> {
         Ok(())
     }
 
-    /// Evaluates what `x ?? y` needs of y: of what is put together in place the parts of which a leaf is absent in x, of
-    /// anything else all if any leaf is (M6.7).
+    /// Evaluates the parts of y that `x ?? y` needs: for an array or struct literal only the parts with an absent leaf
+    /// in x, for any other expression everything if any leaf of x is absent (M6.7).
     fn needed(&mut self, here: Here, id: ExprId, x: ExprId, y: ExprId) -> Result<(), Stop> {
         let unit = self.instances[here.instance].unit;
         let mut absent = Vec::new();
@@ -230,7 +232,8 @@ impl<'p> Reference<'p> {
         }
     }
 
-    /// Whether the operand of this number is part of the text: not the branch that static parameters rule out (M5.4).
+    /// Returns whether the operand of this number is part of the instance: a branch excluded by static parameters is
+    /// not (M5.4).
     fn is_text(&mut self, here: Here, id: ExprId, number: usize) -> Result<bool, Stop> {
         let unit = self.instances[here.instance].unit;
         Ok(match &unit.expr(id).kind {
@@ -241,7 +244,8 @@ impl<'p> Reference<'p> {
         })
     }
 
-    /// Where the operand of this number is evaluated for a leaf. An operand is chosen where the operator needs it (M6.7).
+    /// Returns the context in which the operand of this number is evaluated for a leaf. An operand is chosen if the
+    /// operator needs its value (M6.7).
     pub(crate) fn operand(
         &mut self,
         here: Here,
@@ -264,7 +268,7 @@ impl<'p> Reference<'p> {
             Kind::Each(Each::Pre | Each::Last | Each::Hold, _) | Kind::Current(_) => {
                 here.unguarded()
             }
-            // What leaves of the right operand are needed for has been worked out before.
+            // The leaves of the right operand that are needed were evaluated before.
             Kind::Each(Each::Coalesce, _) if number == 1 => Here {
                 chosen: false,
                 ..here
@@ -276,8 +280,8 @@ impl<'p> Reference<'p> {
         })
     }
 
-    /// Where the right operand of `and`, `or` and `=>` is evaluated: chosen unless the left one decides; an absent one does
-    /// not (M4.4).
+    /// Returns the context of the right operand of `and`, `or` and `=>`: chosen unless the left one decides. An absent
+    /// left operand does not decide (M4.4).
     fn second(&mut self, here: Here, call: &PrimCall) -> Result<Here, Stop> {
         let left = match call.inputs[0] {
             Some(left) => self.truth(here, left)?,
@@ -311,7 +315,7 @@ impl<'p> Reference<'p> {
         Ok(leaves)
     }
 
-    /// `fail` goes before the others, then the order of the text (M10.1).
+    /// Returns the result with which the command ends. `fail` takes precedence, then the source order (M10.1).
     fn end(&mut self) -> Result<Option<usize>, Stop> {
         let ends = &self.instances[0].unit.block(BlockId::ROOT).ends;
         let here = self.inside(0, BlockId::ROOT);
@@ -326,9 +330,10 @@ impl<'p> Reference<'p> {
         Ok(None)
     }
 
-    /// Keeps for the next cycle what this one has met.
+    /// Updates the memory for the next cycle.
     fn remember(&mut self) -> Result<(), Stop> {
         let mut known = Vec::new();
+        // Evaluating a delayed operand may record further updates.
         while !self.keep.is_empty() {
             for (here, keep) in std::mem::take(&mut self.keep) {
                 let keep = match keep {
@@ -361,7 +366,7 @@ impl<'p> Reference<'p> {
         Ok(())
     }
 
-    /// The first in-port leaf of the whole program's flow.
+    /// Returns a leaf of an in-port of the whole program.
     pub(crate) fn input(&self, port: usize, k: usize) -> Leaf {
         let unit = self.instances[0].unit;
         let from_outside = |id: &&FlowId| unit.flow(**id).role != FlowRole::Param;
@@ -372,13 +377,13 @@ impl<'p> Reference<'p> {
     }
 }
 
-/// Whether an operator needs its right operand only where the left one does not decide.
+/// Returns whether an operator needs its right operand only if the left one does not decide.
 fn is_lazy(call: &PrimCall) -> bool {
     let name = call.prim.desc().name;
     ["Core::BooleanAnd", "Core::BooleanOr", "Rpi::BooleanImplies"].contains(&name)
 }
 
-/// Whether a primitive that is called by its name has state.
+/// Returns whether a primitive has state.
 fn remembers(call: &PrimCall) -> bool {
     !matches!(call.prim.desc().state, rpi_image::State::None)
 }

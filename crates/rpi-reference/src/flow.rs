@@ -1,4 +1,4 @@
-//! Flows: what the caller gives, what an equation defines, what the states of an automaton define together.
+//! Values of flows: from the caller, from an equation, or from the states of an automaton.
 
 use rpi_sema::typed::{BlockId, ExprId, FlowId, Place, Shared, Unit};
 
@@ -7,7 +7,7 @@ use crate::instance::InstanceId;
 use crate::value::{Leaf, Stop, Value};
 
 impl<'p> Reference<'p> {
-    /// A leaf of a flow. What is declared as a subrange lies in it, or the cycle faults where the flow is defined (M2.4).
+    /// Returns a leaf of a flow. A value outside of a declared subrange faults where the flow is defined (M2.4).
     pub(crate) fn flow(
         &mut self,
         instance: InstanceId,
@@ -41,7 +41,7 @@ impl<'p> Reference<'p> {
             let name = &unit.flow(flow).name;
             return Err(Stop::Beyond(format!("`{name}` has no equation")));
         };
-        // Outside of a fragment that is inactive its flows are absent (M6.3).
+        // Outside of its inactive fragment a flow is absent (M6.3).
         if !self.is_active(instance, block)? {
             return Ok(None);
         }
@@ -49,7 +49,7 @@ impl<'p> Reference<'p> {
         self.leaf(here, value, leaf)
     }
 
-    /// What the caller gives for an in-port, or what stands there by default.
+    /// Returns the argument for an in-port, or its default.
     fn given(&mut self, instance: InstanceId, port: usize, k: usize) -> Result<Leaf, Stop> {
         let it = &self.instances[instance];
         let Some((caller, args)) = it.caller else {
@@ -65,7 +65,8 @@ impl<'p> Reference<'p> {
         }
     }
 
-    /// A flow that several states define: that of the one that runs, or the default if it has none (M14.5).
+    /// Returns a flow shared by states: that of the active state, or the default if that state does not define it
+    /// (M14.5).
     fn of_states(
         &mut self,
         instance: InstanceId,
@@ -89,7 +90,7 @@ impl<'p> Reference<'p> {
     }
 }
 
-/// The automaton that defines a flow, and the block that it stands in.
+/// Returns the automaton that defines a flow, and its block.
 fn shared(unit: &Unit, flow: FlowId) -> Option<(BlockId, &Shared)> {
     let blocks = (0..).map(BlockId).zip(&unit.blocks);
     let mut all = blocks.flat_map(|(id, block)| {
@@ -99,7 +100,8 @@ fn shared(unit: &Unit, flow: FlowId) -> Option<(BlockId, &Shared)> {
     all.find(|(_, shared)| shared.flow == flow)
 }
 
-/// Where a leaf of a flow is defined: the block, the value of the equation, and which leaf of that it is.
+/// Returns the definition of a leaf of a flow: the block, the value of the equation, and the index of the leaf in that
+/// value.
 pub(crate) fn definition(unit: &Unit, flow: FlowId, k: usize) -> Option<(BlockId, ExprId, usize)> {
     for (id, block) in (0..).map(BlockId).zip(&unit.blocks) {
         for equation in &block.equations {

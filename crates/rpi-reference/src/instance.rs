@@ -1,4 +1,4 @@
-//! An instance of a unit: what it remembers from cycle to cycle, and what is known of it in the present one.
+//! Instance of a unit: its memory, and its values in the current cycle.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -6,76 +6,76 @@ use rpi_sema::typed::{BlockId, ExprId, FlowId, Unit, UnitId};
 
 use crate::value::Leaf;
 
-/// Index of an instance among all that ever were.
+/// Index of an instance among all instances ever created.
 pub(crate) type InstanceId = usize;
 
-/// A place in an expression's value.
+/// Leaf of an expression: the expression and the index of the leaf.
 pub(crate) type Place = (ExprId, usize);
 
-/// A unit at work: the whole program, or what stands behind one call.
+/// Instance of a unit: the whole program, or the callee of one call.
 pub(crate) struct Instance<'p> {
     pub(crate) unit: &'p Unit,
     pub(crate) id: UnitId,
-    /// Where it is called, and by which arguments; none for the whole program.
+    /// Context of the call and its arguments; `None` for the whole program.
     pub(crate) caller: Option<(Here, &'p [Option<ExprId>])>,
-    /// What is remembered around the body: by the conditions of a named fragment.
+    /// Memory outside of the body, used by the condition of a named fragment.
     pub(crate) around: Memory,
-    /// What is remembered in each block.
+    /// Memory of each block.
     pub(crate) blocks: Vec<Memory>,
-    /// What is known in this cycle.
+    /// Values in the current cycle.
     pub(crate) now: Now,
 }
 
-/// What a block remembers. Starting a block afresh is forgetting all of it (M6.2).
+/// Memory of a block. Restarting a block clears it (M6.2).
 #[derive(Clone, Default)]
 pub(crate) struct Memory {
-    /// What `pre`, `hold`, `current` and activated calls keep for the next cycle.
+    /// Values kept for the next cycle by `pre`, `hold`, `current` and activated calls.
     pub(crate) kept: BTreeMap<Place, Leaf>,
-    /// What the flows that states share were.
+    /// Previous values of the flows shared by states.
     pub(crate) last: BTreeMap<(FlowId, usize), Leaf>,
-    /// The leaves of `a -> b`, and the `first`, that have had their first cycle (M5.1).
+    /// Leaves of `a -> b` and `first` that have had their first cycle (M5.1).
     pub(crate) begun: BTreeSet<Place>,
-    /// The instance behind each call.
+    /// Instance of each call.
     pub(crate) calls: BTreeMap<ExprId, InstanceId>,
-    /// The blocks in it that were active in its previous cycle.
+    /// Inner blocks that were active in the previous cycle of this block.
     pub(crate) was_active: BTreeSet<BlockId>,
-    /// For each of its automata the state of the next cycle, and whether it starts afresh.
+    /// For each automaton the state of the next cycle, and whether it restarts.
     pub(crate) states: BTreeMap<usize, State>,
-    /// For each of its automata the states that were entered afresh and left before they ran.
+    /// For each automaton the states that were entered with a restart and left before they ran.
     pub(crate) owed: BTreeMap<usize, BTreeSet<u32>>,
 }
 
-/// The state of an automaton.
+/// State of an automaton.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct State {
     pub(crate) index: u32,
     pub(crate) afresh: bool,
 }
 
-/// What is known of an instance in this cycle; nothing at its beginning.
+/// Values of an instance in the current cycle; empty when the cycle begins.
 #[derive(Clone, Default)]
 pub(crate) struct Now {
-    /// Whether the call was chosen by the `if`s around it.
+    /// Whether the enclosing `if`s chose the call.
     pub(crate) chosen: bool,
-    /// Leaves that have been worked out; none while that is going on.
+    /// Evaluated leaves; `None` while the evaluation is in progress.
     pub(crate) leaves: BTreeMap<Place, Option<Leaf>>,
-    /// Expressions that have been visited.
+    /// Expressions that have been evaluated completely.
     pub(crate) visited: BTreeSet<ExprId>,
-    /// Blocks of which the activity is known.
+    /// Blocks whose activity is known.
     pub(crate) active: BTreeMap<BlockId, bool>,
-    /// Automata of which the state is known.
+    /// Automata whose state is known.
     pub(crate) states: BTreeMap<(BlockId, usize), State>,
-    /// Calls that were reached, with the instance if it runs.
+    /// Calls that were reached, with the instance if the call runs.
     pub(crate) entered: BTreeMap<ExprId, Option<InstanceId>>,
 }
 
-/// Where an expression is evaluated.
+/// Context in which an expression is evaluated.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Here {
     pub(crate) instance: InstanceId,
-    /// The block that remembers; none for what stands around the body.
+    /// Block whose memory is used; `None` outside of the body.
     pub(crate) block: Option<BlockId>,
-    /// False in a branch that no `if` chose: what would fault there does not (M6.6).
+    /// False in a branch that no `if` chose, where faults do not count (M6.6).
     pub(crate) chosen: bool,
 }
 
@@ -102,7 +102,7 @@ impl<'p> Instance<'p> {
         }
     }
 
-    /// Forgets what a block and those in it remember.
+    /// Clears the memory of a block and of all inner blocks.
     pub(crate) fn start_afresh(&mut self, block: BlockId) {
         for k in (0..).map(BlockId).take(self.blocks.len()) {
             if self.unit_blocks_around(k).any(|around| around == block) {
@@ -111,7 +111,7 @@ impl<'p> Instance<'p> {
         }
     }
 
-    /// A block and those around it, from the inside out.
+    /// Returns a block and its enclosing blocks, from the inside out.
     fn unit_blocks_around(&self, block: BlockId) -> impl Iterator<Item = BlockId> + use<'p> {
         let unit = self.unit;
         std::iter::successors(Some(block), move |block| unit.block(*block).parent)
@@ -119,7 +119,8 @@ impl<'p> Instance<'p> {
 }
 
 impl Here {
-    /// The same place on the way to a state: that goes on in all cycles, whatever an `if` chooses, and so do its faults.
+    /// Returns the context for an operand of a stateful operator. Its state is updated in all cycles, whatever an `if`
+    /// chooses, so its faults count.
     pub(crate) fn unguarded(self) -> Here {
         Here {
             chosen: true,

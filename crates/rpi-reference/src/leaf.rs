@@ -1,4 +1,4 @@
-//! Expressions: one leaf of one expression in this cycle.
+//! Evaluation of expressions: one leaf of one expression in the current cycle.
 
 use rpi_sema::ty::Ty;
 use rpi_sema::typed::{Each, Expr, ExprId, Kind, PrimCall};
@@ -10,11 +10,12 @@ use crate::operator;
 use crate::value::{Leaf, Stop, Value};
 
 impl<'p> Reference<'p> {
-    /// A leaf of an expression. It is worked out once in a cycle.
+    /// Returns a leaf of an expression. It is evaluated once per cycle.
     pub(crate) fn leaf(&mut self, here: Here, id: ExprId, k: usize) -> Result<Leaf, Stop> {
         let now = &mut self.instances[here.instance].now;
         match now.leaves.get(&(id, k)) {
             Some(Some(leaf)) => return Ok(*leaf),
+            // `None` marks a leaf whose evaluation is in progress.
             Some(None) => return Err(Stop::Ring),
             None => drop(now.leaves.insert((id, k), None)),
         }
@@ -27,7 +28,7 @@ impl<'p> Reference<'p> {
         Ok(leaf)
     }
 
-    /// A condition.
+    /// Returns the value of a condition; `None` if it is absent.
     pub(crate) fn truth(&mut self, here: Here, id: ExprId) -> Result<Option<bool>, Stop> {
         Ok(match self.leaf(here, id, 0)? {
             Some(Value::Bool(truth)) => Some(truth),
@@ -39,9 +40,9 @@ impl<'p> Reference<'p> {
         let unit = self.instances[here.instance].unit;
         let expr = unit.expr(id);
         match &expr.kind {
-            Kind::Fault => Err(Stop::Beyond("a fault of the program".to_owned())),
+            Kind::Fault => Err(Stop::Beyond("an error in the program".to_owned())),
             Kind::Outside | Kind::Sensor { .. } => {
-                Err(Stop::Beyond("what lies outside".to_owned()))
+                Err(Stop::Beyond("an external value".to_owned()))
             }
             Kind::Const(leaves) => Ok(self.as_counted(Value::of(&leaves[k]), &expr.ty, k)),
             Kind::Literal(leaf) => Ok(self.as_counted(Value::of(leaf), &expr.ty, k)),
@@ -85,7 +86,7 @@ impl<'p> Reference<'p> {
         }
     }
 
-    /// A struct, tuple or array: its parts one after the other.
+    /// Returns a leaf of a struct, tuple or array, whose leaves are numbered consecutively.
     fn built(&mut self, here: Here, parts: &[ExprId], mut k: usize) -> Result<Leaf, Stop> {
         let unit = self.instances[here.instance].unit;
         for part in parts {
@@ -95,10 +96,10 @@ impl<'p> Reference<'p> {
             }
             k -= size;
         }
-        Err(Stop::Beyond("a part that is not there".to_owned()))
+        Err(Stop::Beyond("a missing part".to_owned()))
     }
 
-    /// An element at a place that is computed.
+    /// Returns a leaf of an element with a computed index.
     fn select(&mut self, here: Here, base: ExprId, index: ExprId, k: usize) -> Result<Leaf, Stop> {
         let unit = self.instances[here.instance].unit;
         let ty = &unit.expr(base).ty;
@@ -114,7 +115,7 @@ impl<'p> Reference<'p> {
         }
     }
 
-    /// Operators that work leaf by leaf.
+    /// Evaluates an operator that works on leaves.
     fn each(
         &mut self,
         here: Here,
@@ -124,7 +125,7 @@ impl<'p> Reference<'p> {
         k: usize,
     ) -> Result<Leaf, Stop> {
         match (each, operands) {
-            // Without its condition it is absent, and the branch not taken does not matter (M4.5).
+            // Without a condition the result is absent, and the branch that is not taken does not matter (M4.5).
             (Each::If, [condition, ..]) => match self.truth(here, *condition)? {
                 None => Ok(None),
                 Some(chosen) => {
@@ -153,15 +154,15 @@ impl<'p> Reference<'p> {
         }
     }
 
-    /// `pre x`: x at the previous tick of its clock in the fragment it stands in (M5.1). Before there is nothing: if x is
-    /// total the checker has proved that nobody reads it (M5.3).
+    /// Evaluates `pre x`: x at the previous tick of its clock in its fragment (M5.1). There is no value before; if x is
+    /// never absent, the checker has proved that the missing value is not read (M5.3).
     fn pre(&mut self, here: Here, id: ExprId, x: ExprId, k: usize) -> Result<Leaf, Stop> {
         self.keep.push((here, Keep::Delayed(id, k, x)));
         let memory = self.instances[here.instance].memory(here.block);
         Ok(memory.kept.get(&(id, k)).copied().flatten())
     }
 
-    /// `last x`: what a flow that states share was in the previous cycle, whatever the state.
+    /// Evaluates `last x`: the previous value of a flow shared by states, whatever the state was.
     fn last(&mut self, here: Here, x: ExprId, k: usize) -> Result<Leaf, Stop> {
         let instance = &mut self.instances[here.instance];
         let unit = instance.unit;
@@ -175,7 +176,8 @@ impl<'p> Reference<'p> {
         }
     }
 
-    /// The latest value that was present, `init` before (M4.3). What is kept is what was present, or `init` if asked for.
+    /// Returns the latest present value, or `init` before the first one (M4.3). A present value is kept; `init` is
+    /// evaluated again when needed.
     pub(crate) fn held(
         &mut self,
         here: Here,
@@ -195,19 +197,20 @@ impl<'p> Reference<'p> {
         }
     }
 
-    /// Whether this is the first cycle of what stands here.
+    /// Returns whether this is the first cycle at this leaf, and records that it has passed.
     pub(crate) fn first(&mut self, here: Here, place: Place) -> bool {
         self.keep.push((here, Keep::Begun(place.0, place.1)));
         self.is_first(here, place)
     }
 
-    /// The same, looked at only: what does not tick in this cycle has not had its first one.
+    /// Returns the same as [`Self::first`] without recording: a leaf that does not tick in this cycle has not had its
+    /// first one.
     pub(crate) fn is_first(&mut self, here: Here, place: Place) -> bool {
         let memory = self.instances[here.instance].memory(here.block);
         !memory.begun.contains(&place)
     }
 
-    /// `x = y`: all leaves are equal.
+    /// Evaluates `x = y`: whether all leaves are equal.
     fn equal(&mut self, here: Here, [a, b]: [ExprId; 2], negated: bool) -> Result<Leaf, Stop> {
         let unit = self.instances[here.instance].unit;
         let mut all = Some(Value::Bool(true));
@@ -222,7 +225,7 @@ impl<'p> Reference<'p> {
         }
     }
 
-    /// `present(x)`: all leaves are there.
+    /// Evaluates `present(x)`: whether all leaves are present.
     fn present(&mut self, here: Here, operand: ExprId) -> Result<Leaf, Stop> {
         let unit = self.instances[here.instance].unit;
         let mut all = true;
@@ -248,7 +251,7 @@ impl<'p> Reference<'p> {
         }
     }
 
-    /// `merge c (...)`: the case of the chooser's value; the others are not there (M4.7).
+    /// Evaluates `merge c (...)`: the case selected by c; the other cases are absent (M4.7).
     fn merge(
         &mut self,
         here: Here,
@@ -263,7 +266,7 @@ impl<'p> Reference<'p> {
         case.map_or(Ok(None), |(_, case)| self.leaf(here, *case, k))
     }
 
-    /// `current x`: x at the latest tick of its clock (M4.7).
+    /// Evaluates `current x`: x at the latest tick of its clock (M4.7).
     fn current(&mut self, here: Here, id: ExprId, operand: ExprId, k: usize) -> Result<Leaf, Stop> {
         let clocks = self.clocks(here).exprs[operand.0 as usize][k].clone();
         let Some(on) = clocks.iter().flat_map(|clock| clock.last()).next() else {
@@ -281,13 +284,13 @@ impl<'p> Reference<'p> {
         Ok(leaf)
     }
 
-    /// Whether the clock of a leaf ticks (M4.7).
+    /// Returns whether the clock of a leaf ticks (M4.7).
     fn ticks(&mut self, here: Here, id: ExprId, k: usize) -> Result<bool, Stop> {
         let clock = self.clocks(here).exprs[id.0 as usize][k].clone();
         self.is_running(here, &clock)
     }
 
-    /// Whether the clock of a call ticks.
+    /// Returns whether the clock of a call ticks.
     pub(crate) fn runs(&mut self, here: Here, id: ExprId) -> Result<bool, Stop> {
         let clock = self.clocks(here).calls[id.0 as usize].clone();
         self.is_running(here, &clock)
@@ -306,13 +309,13 @@ impl<'p> Reference<'p> {
         &self.clocks[self.instances[here.instance].id.0 as usize]
     }
 
-    /// Whether what decides about a clock has its value.
+    /// Returns whether the condition of a sampling has its value.
     fn is_on(&mut self, here: Here, on: &Sampling) -> Result<Option<bool>, Stop> {
         let leaf = self.decider(here.instance, &on.by)?;
         Ok(leaf.map(|leaf| has(leaf, on.value)))
     }
 
-    /// What decides about a clock: a flow, or what decides behind a call, which may stand elsewhere.
+    /// Returns the value of a clock condition: a flow, or a condition inside a call, possibly of another block.
     fn decider(&mut self, instance: InstanceId, by: &Decider) -> Result<Leaf, Stop> {
         let (id, inner) = match by {
             Decider::Flow(flow) => return self.flow(instance, *flow, 0),
@@ -333,7 +336,7 @@ impl<'p> Reference<'p> {
     }
 }
 
-/// A leaf of a struct that is made here: it lies in the subrange of its field (M2.4).
+/// Checks a leaf of a struct built here against the subrange of its field (M2.4).
 fn in_field(here: Here, leaf: Leaf, ty: &Ty, k: usize, is_made: bool) -> Result<Leaf, Stop> {
     let Some(Value::Int(number)) = leaf.filter(|_| here.chosen && is_made) else {
         return Ok(leaf);
@@ -345,7 +348,7 @@ fn in_field(here: Here, leaf: Leaf, ty: &Ty, k: usize, is_made: bool) -> Result<
     }
 }
 
-/// Whether a Boolean or an enum's value is the one of this number.
+/// Returns whether a Boolean or enum value is the one with this number.
 fn has(leaf: Value, value: u32) -> bool {
     match leaf {
         Value::Bool(truth) => u32::from(truth) == value,
@@ -354,7 +357,7 @@ fn has(leaf: Value, value: u32) -> bool {
     }
 }
 
-/// The leaves of one element of an array.
+/// Returns the number of leaves of an array element.
 fn element_size(array: &Ty) -> usize {
     match array {
         Ty::Array(element, _) => element.leaf_count().max(1),
@@ -362,7 +365,7 @@ fn element_size(array: &Ty) -> usize {
     }
 }
 
-/// What stands where nobody reads: false or 0.
+/// Returns the value used where the result is never read: false or 0.
 fn neutral(expr: &Expr, k: usize) -> Leaf {
     let mut leaves = Vec::new();
     expr.ty.leaves(&mut |_, leaf| {

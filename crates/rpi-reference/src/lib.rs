@@ -1,28 +1,29 @@
-//! A naive interpreter of typed programs: what the language means, written in the most obvious way.
+//! Naive interpreter of typed programs: an executable definition of the semantics.
 //!
-//! It is there to be read, and to be compared with: random programs run here and as optimised images, and every value
-//! must agree, bit for bit. So it shares nothing with the other way but the typed program: the clocks and the presence that
-//! the checker infers are not used here. It knows no net, no schedule, no lowering and no primitive's code: a flow is
-//! worked out when somebody asks for it, and the clocks and the operators on numbers are written out again, because an
-//! interpreter that calls the code under test agrees with it whatever it does.
+//! It is written to be read and to serve as a test oracle: random programs run here and as optimised images, and every
+//! value must agree bit for bit. It therefore shares only the typed program with the compiler. It does not use the
+//! clocks and the presence inferred by the checker, nor nets, schedules, lowering or the code of primitives. A flow is
+//! evaluated on demand; clocks and arithmetic operators are implemented again, because an interpreter that calls the
+//! code under test would always agree with it.
 //!
-//! Everything is told of one *leaf*: a Boolean, integer, real or enum value; structs and arrays are rows of them. A leaf
-//! is `Some` value or, where the flow is absent, `None` (rule M4.1). Rules are those of the chapter on semantics.
+//! Every function handles one *leaf*: a Boolean, integer, real or enum value; structs and arrays are sequences of
+//! leaves. A leaf is `Some` value, or `None` if the flow is absent (rule M4.1). The rules are those of the chapter on
+//! semantics.
 //!
 //! | file | idea |
 //! |---|---|
 //! | `value.rs` | values |
-//! | `operator.rs` | operators on numbers and truth values |
+//! | `operator.rs` | arithmetic and logical operators |
 //! | `time.rs` | exact time |
-//! | `instance.rs` | an instance of a unit: what it remembers, and what is known of it in this cycle |
-//! | `cycle.rs` | one cycle: everything that is active once, then what is kept for the next |
+//! | `instance.rs` | instance of a unit: its memory, and its values in the current cycle |
+//! | `cycle.rs` | execution of a cycle, and update of the memory |
 //! | `leaf.rs` | expressions |
 //! | `flow.rs` | flows and their equations |
 //! | `call.rs` | calls |
-//! | `clock.rs` | by which clock each part of a value ticks |
-//! | `block.rs` | fragments and states: when they are active |
+//! | `clock.rs` | clock of each leaf |
+//! | `block.rs` | activation of fragments and states |
 //!
-//! Not covered: devices, spatial values, tasks.
+//! Not supported: devices, spatial values, tasks.
 
 mod block;
 mod call;

@@ -1,14 +1,14 @@
-//! Operators on numbers and truth values, by the names of their primitives.
+//! Arithmetic and logical operators, by the names of their primitives.
 
 use crate::value::Value::{Bool, Int, Real};
 use crate::value::{Leaf, Stop, Value};
 
-/// What an operator gives. One that would fault gives 0 where nobody chose it (M6.6).
+/// Applies an operator. An operator that would fault returns 0 in a branch that was not chosen (M6.6).
 pub(crate) fn apply(name: &str, operands: &[Leaf], chosen: bool) -> Result<Leaf, Stop> {
     if let Some(leaf) = logic(name, operands) {
         return Ok(leaf);
     }
-    // Strict operators are absent if an operand is (M4.4).
+    // Strict operators are absent if an operand is absent (M4.4).
     let Some(present) = operands.iter().copied().collect::<Option<Vec<Value>>>() else {
         return Ok(None);
     };
@@ -18,7 +18,7 @@ pub(crate) fn apply(name: &str, operands: &[Leaf], chosen: bool) -> Result<Leaf,
     }
 }
 
-/// Kleene's logic (M4.4): a result that one operand decides does not need the other.
+/// Applies an operator of Kleene's three-valued logic (M4.4): if one operand decides, the other may be absent.
 fn logic(name: &str, operands: &[Leaf]) -> Option<Leaf> {
     let truth = |leaf: &Leaf| match leaf {
         Some(Bool(truth)) => Some(*truth),
@@ -36,7 +36,7 @@ fn logic(name: &str, operands: &[Leaf]) -> Option<Leaf> {
     })
 }
 
-/// Conjunction of truth values that may be absent.
+/// Returns the conjunction of Booleans that may be absent.
 pub(crate) fn and(a: Option<bool>, b: Option<bool>) -> Leaf {
     match (a, b) {
         (Some(false), _) | (_, Some(false)) => Some(Bool(false)),
@@ -52,7 +52,7 @@ fn negated(value: Value) -> Value {
     }
 }
 
-/// Operators that always have a result.
+/// Applies an operator that always has a result.
 fn total(name: &str, operands: &[Value]) -> Option<Value> {
     Some(match (name, operands) {
         ("Core::BooleanNot", &[Bool(a)]) => Bool(!a),
@@ -76,13 +76,14 @@ fn total(name: &str, operands: &[Value]) -> Option<Value> {
     })
 }
 
-/// Operators that fault where there is no result (M2.2).
+/// Applies an operator that faults if there is no result (M2.2).
 fn partial(name: &str, operands: &[Value], chosen: bool) -> Result<Value, Stop> {
     let (result, fault) = match (name, operands) {
         ("Core::IntAdd", &[Int(a), Int(b)]) => (a.checked_add(b), "overflow"),
         ("Rpi::IntSubtract", &[Int(a), Int(b)]) => (a.checked_sub(b), "overflow"),
         ("Core::IntMultiply", &[Int(a), Int(b)]) => (a.checked_mul(b), "overflow"),
         ("Core::IntDivide", &[Int(a), Int(b)]) => (a.checked_div(b), "division"),
+        // `i64::MIN % -1` overflows in `checked_rem`, although the remainder is 0.
         ("Rpi::IntModulo", &[Int(_), Int(-1)]) => (Some(0), "division"),
         ("Rpi::IntModulo", &[Int(a), Int(b)]) => (a.checked_rem(b), "division"),
         ("Rpi::IntPower", &[Int(a), Int(b)]) => (power(a, b), "overflow"),
@@ -97,25 +98,26 @@ fn partial(name: &str, operands: &[Value], chosen: bool) -> Result<Value, Stop> 
     }
 }
 
-/// A power by multiplying so many times; there is none for a negative exponent.
+/// Returns a power by repeated multiplication; `None` for a negative exponent or an overflow.
 fn power(base: i64, exponent: i64) -> Option<i64> {
     if exponent < 0 {
         return None;
     }
     match base {
+        // For these bases the exponent may be large; all others overflow after at most 63 multiplications.
         0 | 1 => Some(if exponent == 0 { 1 } else { base }),
         -1 => Some(if exponent % 2 == 0 { 1 } else { -1 }),
         _ => (0..exponent).try_fold(1_i64, |so_far, _| so_far.checked_mul(base)),
     }
 }
 
-/// A real without its fraction, if that is an integer of 64 bits.
+/// Truncates a real to an integer; `None` if it does not fit into 64 bits.
 fn whole(real: f64) -> Option<i64> {
     const LIMIT: f64 = 9_223_372_036_854_775_808.0;
     (-LIMIT..LIMIT).contains(&real).then_some(real as i64)
 }
 
-/// Whether two leaves are equal (`=`); absent if one is.
+/// Returns whether two leaves are equal (`=`); absent if one is absent.
 pub(crate) fn equal(a: Leaf, b: Leaf) -> Option<bool> {
     Some(a? == b?)
 }

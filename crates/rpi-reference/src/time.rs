@@ -1,4 +1,5 @@
-//! Exact time: a leaf of the type `time` counts ticks (M2.4); what is outside sees seconds. A tick is a period here.
+//! Exact time: a leaf of type `time` counts ticks (M2.4), while inputs and outputs are in seconds. A tick equals the
+//! period here.
 
 use rpi_sema::ty::Ty;
 
@@ -6,23 +7,25 @@ use crate::cycle::Reference;
 use crate::value::{Leaf, Stop, Value};
 
 impl Reference<'_> {
-    /// The seconds that so many ticks take.
+    /// Converts ticks to seconds.
     fn seconds(&self, ticks: i64) -> f64 {
         let tick_ns = (self.dt * 1e9).round();
         ticks as f64 * tick_ns / 1e9
     }
 
-    /// The fewest ticks that take at least so many seconds.
+    /// Returns the smallest number of ticks that last at least the given seconds.
     fn whole_ticks(&self, seconds: f64) -> Option<i64> {
         let about = (seconds / self.dt).floor();
+        // Beyond this limit the number of ticks does not fit into 64 bits.
         if about.is_nan() || about.abs() > 9.2e18 {
             return None;
         }
         let about = about as i64;
+        // The quotient is rounded, so the neighbouring numbers are tried as well.
         (about - 2..=about + 2).find(|ticks| self.seconds(*ticks) >= seconds)
     }
 
-    /// A value from outside, or a constant, as the program has it.
+    /// Converts an input or a constant to the internal representation.
     pub(crate) fn as_counted(&self, leaf: Leaf, ty: &Ty, k: usize) -> Leaf {
         match (leaf, is_time(ty, k)) {
             (Some(Value::Real(seconds)), true) => self.whole_ticks(seconds).map(Value::Int),
@@ -30,7 +33,7 @@ impl Reference<'_> {
         }
     }
 
-    /// A value of the program as it is seen from outside.
+    /// Converts an internal value to the representation of outputs.
     pub(crate) fn as_seen(&self, leaf: Leaf, ty: &Ty, k: usize) -> Leaf {
         match (leaf, is_time(ty, k)) {
             (Some(Value::Int(ticks)), true) => Some(Value::Real(self.seconds(ticks))),
@@ -38,7 +41,8 @@ impl Reference<'_> {
         }
     }
 
-    /// Conversions between ticks and seconds, and the times that the core gives.
+    /// Evaluates conversions between ticks and seconds, and the times provided by the core. Returns `None` for other
+    /// primitives.
     pub(crate) fn of_time(
         &self,
         name: &str,
@@ -71,7 +75,7 @@ impl Reference<'_> {
     }
 }
 
-/// Whether a leaf of a type is a time.
+/// Returns whether a leaf of a type is a time.
 fn is_time(ty: &Ty, k: usize) -> bool {
     match ty {
         Ty::Duration => true,

@@ -2,33 +2,33 @@
 
 use rpi_image::Value as Constant;
 
-/// A value of one leaf. An enum's value is its place in the enum.
+/// Value of one leaf. The value of an enum is its index.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum Value {
-    /// Truth value.
+    /// Boolean.
     Bool(bool),
-    /// 64-bit integer, or a value of an enum.
+    /// 64-bit integer, or the index of an enum value.
     Int(i64),
-    /// IEEE double.
+    /// IEEE 754 double.
     Real(f64),
 }
 
-/// A leaf in a cycle: its value, or none where it is absent (M4.1).
+/// Leaf in a cycle: its value, or `None` if it is absent (M4.1).
 pub type Leaf = Option<Value>;
 
-/// Why a cycle has no values.
+/// Reason why a cycle has no values.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum Stop {
-    /// A fault: overflow, division by zero, a conversion that loses the value, an index outside of its array (M2.2).
+    /// Fault: overflow, division by zero, a conversion that loses the value, an index out of bounds (M2.2).
     Fault(&'static str),
-    /// A flow depends on itself within the cycle, which the checker refuses (M5.4).
+    /// Dependency of a flow on itself within the cycle, which the checker rejects (M5.4).
     Ring,
-    /// Something that this interpreter does not cover.
+    /// Construct that this interpreter does not support.
     Beyond(String),
 }
 
 impl Value {
-    /// A constant as a value.
+    /// Converts a constant.
     pub(crate) fn of(constant: &Constant) -> Option<Value> {
         let truth = constant.as_bool().map(Value::Bool);
         let integer = || constant.as_int().map(Value::Int);
@@ -36,7 +36,7 @@ impl Value {
         truth.or_else(integer).or_else(real)
     }
 
-    /// The value as an image keeps it in a cell.
+    /// Returns the bits of the value as stored in a memory slot of an image.
     #[must_use]
     pub fn bits(self) -> u64 {
         match self {

@@ -1,16 +1,17 @@
-//! The allocation trap: a test that runs a net fails if the cycle allocates or frees.
+//! Allocation trap: a test that runs a net fails if a cycle allocates or frees memory.
 //!
-//! A test binary installs the trap once with [`trap_allocations!`](crate::trap_allocations) and wraps
-//! what must not allocate in [`no_alloc`].
+//! A test binary installs the trap once with [`trap_allocations!`](crate::trap_allocations) and wraps the code that
+//! must not allocate in [`no_alloc`].
 
 use std::sync::OnceLock;
 
 pub use assert_no_alloc::AllocDisabler;
 
-/// The system's allocator, trapped and counted: `allocated()` tells how many bytes are held.
+/// System allocator with the trap and a counter: `allocated()` returns the number of allocated bytes.
 pub type Memory = cap::Cap<AllocDisabler>;
 
-/// Installs the allocator that [`no_alloc`] watches as `MEMORY`. Once per test binary, at the top level.
+/// Installs the allocator that [`no_alloc`] checks, as the static `MEMORY`. Use it once per test binary, at the top
+/// level.
 #[macro_export]
 macro_rules! trap_allocations {
     () => {
@@ -19,12 +20,12 @@ macro_rules! trap_allocations {
     };
 }
 
-/// Runs `body` on this thread with every allocation and release forbidden.
+/// Runs `body` on this thread with all allocations and releases forbidden.
 ///
 /// # Panics
 ///
-/// If `body` allocated or freed, with the count; and if the trap is not installed, so that a test
-/// cannot pass because it forgot [`trap_allocations!`](crate::trap_allocations).
+/// If `body` allocates or frees memory; the message contains the count. Also if the trap is not installed, so that a
+/// test cannot pass because it lacks [`trap_allocations!`](crate::trap_allocations).
 pub fn no_alloc<T>(body: impl FnOnce() -> T) -> T {
     assert!(
         is_installed(),
@@ -33,20 +34,20 @@ pub fn no_alloc<T>(body: impl FnOnce() -> T) -> T {
     let (result, count) = counted(body);
     assert_eq!(
         count, 0,
-        "{count} allocations or releases where none may happen"
+        "{count} allocations or releases in code that must not allocate"
     );
     result
 }
 
-/// Runs `body` with allocations allowed again, inside of [`no_alloc`]: for what a test does between
-/// cycles.
+/// Runs `body` with allocations allowed again, inside [`no_alloc`]: for the work of a test between cycles.
 pub fn alloc_allowed<T>(body: impl FnOnce() -> T) -> T {
     assert_no_alloc::permit_alloc(body)
 }
 
-/// Tries it out, once per test binary, with an allocation that the trap would count.
+/// Returns whether the trap is installed, by making an allocation that it would count. The result is cached.
 fn is_installed() -> bool {
     static INSTALLED: OnceLock<bool> = OnceLock::new();
+    // `black_box` keeps the optimiser from removing the allocation.
     *INSTALLED.get_or_init(|| counted(|| drop(std::hint::black_box(Box::new(0_u8)))).1 > 0)
 }
 

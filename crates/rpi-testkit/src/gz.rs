@@ -1,15 +1,16 @@
-//! Reading recorded data, compressed or not.
+//! Reading of recorded data, compressed or not.
 
 use std::io::{self, Read};
 use std::path::Path;
 
 use flate2::read::MultiGzDecoder;
 
-/// The text of a file, unpacked if it begins as gzip does (RFC 1952, section 2.3.1).
+/// Returns the text of a file. The file is decompressed if it begins with the gzip magic number (RFC 1952, section
+/// 2.3.1).
 ///
 /// # Errors
 ///
-/// If the file cannot be read, is broken gzip, or is not UTF-8.
+/// If the file cannot be read, is invalid gzip, or is not UTF-8.
 pub fn read_maybe_gz(path: impl AsRef<Path>) -> io::Result<String> {
     let bytes = std::fs::read(path)?;
     let mut text = String::new();

@@ -1,7 +1,7 @@
-//! What the tests share: the allocation trap, the data beside the project, small helpers.
+//! Shared test support: the allocation trap, external test data, small helpers.
 //!
-//! Only tests depend on this crate, and it depends on none of ours: any crate can use it without
-//! a ring in the dependencies.
+//! Only tests depend on this crate, and it depends on no other crate of the workspace. Any crate can therefore use it
+//! without a dependency cycle.
 
 mod alloc;
 mod gz;

@@ -1,20 +1,20 @@
-//! The other end of a language server, for tests: speaks the protocol over two streams of bytes.
+//! Language server client for tests: speaks the protocol over two byte streams.
 
 use std::io::{BufRead, BufReader, Read, Write};
 
 use serde_json::{Value, json};
 
-/// A client of a language server. What the server should not do makes it panic.
+/// Client of a language server. Panics if the server violates the protocol.
 pub struct LspClient {
     input: Box<dyn BufRead + Send>,
     output: Box<dyn Write + Send>,
     last_id: i64,
-    /// Notifications and requests of the server that came while something else was waited for.
+    /// Notifications and requests of the server that arrived while waiting for another message.
     aside: Vec<Value>,
 }
 
 impl LspClient {
-    /// A client that reads what the server writes, and writes what the server reads.
+    /// Creates a client that reads the output of the server from `input` and writes to the server through `output`.
     pub fn new(
         input: impl Read + Send + 'static,
         output: impl Write + Send + 'static,
@@ -27,7 +27,7 @@ impl LspClient {
         }
     }
 
-    /// Writes bytes as they are.
+    /// Writes bytes unchanged.
     pub fn raw(&mut self, bytes: &[u8]) {
         self.output.write_all(bytes).expect("the server reads");
         self.output.flush().expect("the server reads");
@@ -39,7 +39,7 @@ impl LspClient {
         self.raw(format!("Content-Length: {}\r\n\r\n{text}", text.len()).as_bytes());
     }
 
-    /// The next message of the server; none when it is gone.
+    /// Returns the next message of the server, or `None` if the server has closed the stream.
     pub fn receive(&mut self) -> Option<Value> {
         let mut length = 0;
         loop {
@@ -58,7 +58,7 @@ impl LspClient {
         Some(serde_json::from_slice(&body).expect("JSON"))
     }
 
-    /// Sends a request and waits for its answer: a `result` or an `error`.
+    /// Sends a request and waits for its response, which has a `result` or an `error`.
     pub fn ask(&mut self, method: &str, params: Value) -> Value {
         self.last_id += 1;
         let id = self.last_id;
@@ -72,7 +72,7 @@ impl LspClient {
         }
     }
 
-    /// The result of a request that must not fail.
+    /// Sends a request that must succeed and returns its result.
     pub fn result(&mut self, method: &str, params: Value) -> Value {
         let answer = self.ask(method, params);
         assert!(answer.get("error").is_none(), "{method}: {answer}");
@@ -84,7 +84,7 @@ impl LspClient {
         self.send(json!({ "method": method, "params": params }));
     }
 
-    /// The next notification or request of the server with this method: its parameters.
+    /// Waits for the next notification or request of the server with this method and returns its parameters.
     pub fn await_method(&mut self, method: &str) -> Value {
         let found = self.aside.iter().position(|m| m["method"] == method);
         if let Some(at) = found {
@@ -99,7 +99,7 @@ impl LspClient {
         }
     }
 
-    /// What the server finds in a version of a text.
+    /// Waits for the diagnostics that the server publishes for a version of a text.
     pub fn diagnostics(&mut self, uri: &str, version: i64) -> Vec<Value> {
         loop {
             let params = self.await_method("textDocument/publishDiagnostics");
@@ -112,7 +112,7 @@ impl LspClient {
         }
     }
 
-    /// Begins a session; the result of `initialize`.
+    /// Starts a session and returns the result of `initialize`.
     pub fn initialize(&mut self, capabilities: Value) -> Value {
         let params = json!({ "processId": null, "rootUri": null, "capabilities": capabilities });
         let result = self.result("initialize", params);
@@ -120,20 +120,20 @@ impl LspClient {
         result
     }
 
-    /// Opens a text as its version 1.
+    /// Opens a text as version 1.
     pub fn open(&mut self, uri: &str, text: &str) {
         let document = json!({ "uri": uri, "languageId": "rpi", "version": 1, "text": text });
         self.tell("textDocument/didOpen", json!({ "textDocument": document }));
     }
 
-    /// Changes a text: one of the protocol's content changes.
+    /// Changes a text by one content change of the protocol.
     pub fn change(&mut self, uri: &str, version: i64, change: Value) {
         let document = json!({ "uri": uri, "version": version });
         let params = json!({ "textDocument": document, "contentChanges": [change] });
         self.tell("textDocument/didChange", params);
     }
 
-    /// Ends a session.
+    /// Ends the session: `shutdown`, `exit`, and reading until the server closes the stream.
     pub fn leave(&mut self) {
         assert_eq!(self.result("shutdown", Value::Null), Value::Null);
         self.tell("exit", Value::Null);

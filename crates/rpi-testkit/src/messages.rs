@@ -1,14 +1,14 @@
-//! Messages that stand beside the programs they are about.
+//! Comparison of messages with the expected ones in files beside the programs.
 
 use crate::workspace_root;
 use std::path::Path;
 use std::process::Command;
 
-/// What is said of a program, if that is not what stands beside it in `NAME.stderr`; with `RPI_BLESS=1` it stands there
-/// from then on.
+/// Compares the messages about a program with `NAME.stderr` beside it. Returns a description of the difference, or
+/// `None` if they are equal. With `RPI_BLESS=1` the file is overwritten first.
 ///
 /// # Panics
-/// If `RPI_BLESS` is set and the message cannot be written.
+/// If `RPI_BLESS` is set and the file cannot be written.
 #[must_use]
 pub fn differs(program: &Path, said: &str) -> Option<String> {
     let expected = program.with_extension("stderr");
@@ -17,14 +17,14 @@ pub fn differs(program: &Path, said: &str) -> Option<String> {
     }
     let known = std::fs::read_to_string(&expected).unwrap_or_default();
     let name = program.display();
-    (known != said).then(|| format!("{name}\n--- says\n{said}--- but should say\n{known}"))
+    (known != said).then(|| format!("{name}\n--- actual\n{said}--- expected\n{known}"))
 }
 
-/// As [`differs`], for what a tool says of a program below `tests/ui`, where it is started; `args` adds the arguments
-/// for the program of this name.
+/// Like [`differs`], for the standard error of a tool that is run on a program below `tests/ui`. The tool is started in
+/// that folder; `args` adds the arguments for the program of the given name.
 ///
 /// # Panics
-/// If the program lies elsewhere, or the tool does not start.
+/// If the program is not below `tests/ui`, or the tool cannot be started.
 #[must_use]
 pub fn tool_differs(
     program: &Path,

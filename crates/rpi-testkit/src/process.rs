@@ -1,12 +1,13 @@
-//! Processes: one for a test alone, since what it shows ends the process; what this one holds.
+//! Processes: a separate process for one test that ends its process, and the memory of the current process.
 
 use std::process::{Command, Output};
 
-/// Starts this test program again for one test alone, with `variable` set to `case`.
+/// Runs this test program again as a new process with a single test, with the environment variable `variable` set to
+/// `case`.
 ///
 /// # Panics
 ///
-/// When the program cannot be started.
+/// If the program cannot be started.
 pub fn own_process(test: &str, variable: &str, case: &str) -> Output {
     let program = std::env::current_exe().expect("the path of this test program");
     Command::new(program)
@@ -16,7 +17,8 @@ pub fn own_process(test: &str, variable: &str, case: &str) -> Output {
         .expect("a process for one test")
 }
 
-/// Memory that the system holds for this process, kB: `VmRSS:` now, `VmHWM:` at its highest; 0 where it does not tell.
+/// Returns a memory figure of this process in kB: `VmRSS:` is the current resident memory, `VmHWM:` its maximum.
+/// Returns 0 on systems without `/proc`.
 #[must_use]
 pub fn resident(figure: &str) -> u64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();

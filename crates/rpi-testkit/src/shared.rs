@@ -1,7 +1,7 @@
-//! The data beside the project: nets and traces too large, or not ours, to lie in it.
+//! External test data: nets and traces that are too large or not licensed for the repository.
 //!
-//! They are expected in a folder `shared` next to the checkout or next to any folder above it;
-//! `RPI_SHARED` names another place. Tests that need them skip loudly where they are missing:
+//! They are expected in a folder `shared` next to the checkout or next to one of its parent folders; `RPI_SHARED`
+//! overrides the location. Tests that need the data are skipped with a message if it is missing:
 //!
 //! ```
 //! let Some(nets) = rpi_testkit::shared_path("nets") else { return };
@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 use crate::workspace_root;
 
-/// The folder of the data beside the project, if it is there.
+/// Returns the folder of the external test data, if it exists.
 pub fn shared_dir() -> Option<PathBuf> {
     if let Some(dir) = std::env::var_os("RPI_SHARED") {
         return Some(PathBuf::from(dir)).filter(|dir| is_shared(dir));
@@ -21,26 +21,26 @@ pub fn shared_dir() -> Option<PathBuf> {
     above.find_map(|dir| Some(dir.join("shared")).filter(|dir| is_shared(dir)))
 }
 
-/// A file or folder of the data beside the project. Where it is missing, says so and returns nothing:
-/// the test then returns, skipped.
+/// Returns a file or folder of the external test data. If it is missing, prints a message and returns `None`; the test
+/// should then return.
 pub fn shared_path(relative: &str) -> Option<PathBuf> {
     let path = shared_dir()
         .map(|dir| dir.join(relative))
         .filter(|path| path.exists());
     if path.is_none() {
-        report_skip(&format!("../shared/{relative} is not there"));
+        report_skip(&format!("../shared/{relative} not found"));
     }
     path
 }
 
-/// Says on standard error, past the test harness that captures prints, which test is skipped and why.
+/// Prints the name of the skipped test and the reason to standard error, bypassing the capture of the test harness.
 pub fn report_skip(reason: &str) {
     let thread = std::thread::current();
     let test = thread.name().unwrap_or("a test");
     let line = format!(
-        "SKIPPED: {test}: {reason} (data beside the project; RPI_SHARED names another place)\n"
+        "SKIPPED: {test}: {reason} (external test data; RPI_SHARED overrides its location)\n"
     );
-    // Captured prints are shown for failing tests only, and a skipped test does not fail.
+    // Captured output is shown for failing tests only, and a skipped test does not fail.
     let _ = std::io::Write::write_all(&mut std::io::stderr(), line.as_bytes());
 }
 

@@ -1,4 +1,4 @@
-//! The trap catches what it must, and lets through what it may.
+//! Tests that the trap catches forbidden allocations and allows the others.
 
 use rpi_testkit::{alloc_allowed, no_alloc};
 

@@ -1,4 +1,4 @@
-//! What can be asked for on the command line.
+//! Command line arguments.
 
 use std::path::PathBuf;
 
@@ -10,29 +10,29 @@ use rpi_driver::Claims;
 /// Version of the tool and of the image format that it writes.
 const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), " (image format 2)");
 
-/// The compiler: proves what can be proved of a program before a robot runs it.
+/// The RPI compiler: checks, compiles, tests and documents programs.
 #[derive(Debug, Parser)]
 #[command(name = "rpic", version = VERSION, arg_required_else_help = true)]
 pub(crate) struct Cli {
-    /// What to do.
+    /// Subcommand.
     #[command(subcommand)]
     pub(crate) task: Task,
 }
 
-/// The tasks.
+/// Subcommands of `rpic`.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Task {
-    /// Look for faults.
+    /// Check programs and report errors and warnings.
     Check(CheckArgs),
-    /// Compile a command to an image, or show a form that it takes on the way.
+    /// Compile a command to an image, or print an intermediate form.
     Compile(CompileArgs),
-    /// Write a net of the reference system as a program.
+    /// Convert a net of the reference system to a program.
     Import(ImportArgs),
     /// Format programs in place.
     Fmt(FmtArgs),
-    /// Run the tests that stand in programs.
+    /// Run the tests contained in programs.
     Test(TestArgs),
-    /// Write the reference of a project in HTML.
+    /// Generate the HTML reference of a project.
     Doc(DocArgs),
     /// Create a project: a program, its cell and a test.
     New {
@@ -47,22 +47,22 @@ pub(crate) enum Task {
         #[arg(long, conflicts_with = "code")]
         list: bool,
     },
-    /// Measure how long an elementary operation takes here, for the budgets of programs.
+    /// Measure the time of an elementary operation on this machine, for the budgets of programs.
     Machine(MachineArgs),
     /// Draw a net.
     Graph(GraphArgs),
-    /// Serve an editor (Language Server Protocol, over standard input and output).
+    /// Run the language server (LSP over standard input and output).
     Lsp,
-    /// Print the completions of a shell.
+    /// Print the completion script of a shell.
     #[command(hide = true)]
     Completions {
-        /// The shell.
+        /// Shell.
         shell: Shell,
     },
-    /// Write the manual pages into a folder.
+    /// Write the manual pages to a folder.
     #[command(hide = true)]
     Man {
-        /// The folder.
+        /// Folder.
         folder: PathBuf,
     },
 }
@@ -70,16 +70,16 @@ pub(crate) enum Task {
 /// Options of `rpic check`.
 #[derive(Args, Debug)]
 pub(crate) struct CheckArgs {
-    /// Programs (.rpi, .lus) or nets (.rpinet), plain or .gz; folders with programs.
+    /// Programs (.rpi, .lus) or nets (.rpinet), plain or .gz; or folders with programs.
     #[arg(required = true)]
     pub(crate) files: Vec<PathBuf>,
-    /// Form of the findings: human, short, json, sarif or github.
-    #[arg(long, default_value = "human", value_name = "FORM")]
+    /// Format of the diagnostics: human, short, json, sarif or github.
+    #[arg(long, default_value = "human", value_name = "FORMAT")]
     pub(crate) format: Format,
-    /// Apply the fixes that are sure.
+    /// Apply the fixes that are certain.
     #[arg(long)]
     pub(crate) fix: bool,
-    /// Tell what each analysis found out.
+    /// Print the results of each analysis.
     #[arg(long)]
     pub(crate) explain_analysis: bool,
 }
@@ -90,37 +90,37 @@ pub(crate) struct TestArgs {
     /// Programs (.rpi), or folders with programs.
     #[arg(required = true)]
     pub(crate) files: Vec<PathBuf>,
-    /// Only tests whose title contains this.
+    /// Run only tests whose title contains this text.
     #[arg(long, value_name = "TEXT")]
     pub(crate) filter: Option<String>,
-    /// A test ends after so many cycles, and fails if it has a `finish` that did not come; 1000 unless given, 100000 where
-    /// there is a `finish`.
+    /// Largest number of cycles of a test; a test whose `finish` does not come by then fails. Default: 100000 for a
+    /// test with a `finish`, otherwise 1000.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub(crate) cycles: Option<u64>,
     /// Period of the cycle.
     #[arg(long, default_value = "1ms", value_parser = rpi_driver::parse_period, value_name = "TIME")]
     pub(crate) period: u64,
-    /// Tell which fragments, branches and transitions no test has seen.
+    /// Report fragments, branches and transitions that no test has covered.
     #[arg(long)]
     pub(crate) coverage: bool,
-    /// Form of the findings: human, short, json, sarif or github.
-    #[arg(long, default_value = "human", value_name = "FORM")]
+    /// Format of the diagnostics: human, short, json, sarif or github.
+    #[arg(long, default_value = "human", value_name = "FORMAT")]
     pub(crate) format: Format,
 }
 
 /// Options of `rpic doc`.
 #[derive(Args, Debug)]
 pub(crate) struct DocArgs {
-    /// A folder with programs, its rpi.toml, or a single program.
+    /// Folder with programs, its rpi.toml, or a single program.
     #[arg(default_value = ".", conflicts_with = "std")]
     pub(crate) path: PathBuf,
-    /// Where to write the pages.
+    /// Output folder.
     #[arg(long, default_value = "target/doc", value_name = "DIR")]
     pub(crate) out: PathBuf,
-    /// Of the standard library instead of a project.
+    /// Document the standard library instead of a project.
     #[arg(long)]
     pub(crate) std: bool,
-    /// Open the first page.
+    /// Open the start page in a browser.
     #[arg(long)]
     pub(crate) open: bool,
 }
@@ -128,36 +128,36 @@ pub(crate) struct DocArgs {
 /// Options of `rpic compile`.
 #[derive(Args, Debug)]
 pub(crate) struct CompileArgs {
-    /// A program (.rpi, .lus) or net (.rpinet), plain or .gz.
+    /// Program (.rpi, .lus) or net (.rpinet), plain or .gz.
     pub(crate) file: PathBuf,
-    /// Where to write; without it the file beside the source that ends in .rpib, or standard output for a form.
+    /// Output file. Default: the source file with the extension .rpib, or standard output with `--emit`.
     #[arg(long, short, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
-    /// Show a form instead of writing an image.
+    /// Print an intermediate form instead of writing an image.
     #[arg(long, value_name = "FORM")]
     pub(crate) emit: Option<Form>,
-    /// The command, if there are several.
+    /// Command to compile, if there are several.
     #[arg(long, value_name = "NAME")]
     pub(crate) command: Option<String>,
-    /// The node that becomes a Lustre node; in a Lustre program the one that `rpi run` would run.
+    /// Node to write as a Lustre node. Default in a Lustre program: the node that `rpi run` would run.
     #[arg(long, value_name = "NAME")]
     pub(crate) node: Option<String>,
-    /// Assertions and contracts in the image: left out, published for whoever watches, or a fault that ends the command.
-    #[arg(long, value_name = "HOW", default_value = "off")]
+    /// Assertions and contracts in the image: omitted, published for monitoring, or a fault that ends the command.
+    #[arg(long, value_name = "MODE", default_value = "off")]
     pub(crate) contracts: Contracts,
-    /// Period of the cycle for which the image is made.
+    /// Period of the cycle for which the image is compiled.
     #[arg(long, default_value = "1ms", value_parser = rpi_driver::parse_period, value_name = "TIME")]
     pub(crate) period: u64,
 }
 
-/// What becomes of assertions and contracts.
+/// Treatment of assertions and contracts.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, ValueEnum)]
 pub(crate) enum Contracts {
-    /// They are left out and cost nothing.
+    /// Omitted, without any cost.
     Off,
-    /// Whether they hold is published, with the flows that they read.
+    /// Results are published, together with the flows that they read.
     Report,
-    /// One that does not hold ends the command by a fault.
+    /// A violation is a fault that ends the command.
     Fault,
 }
 
@@ -171,39 +171,39 @@ impl From<Contracts> for Claims {
     }
 }
 
-/// The forms of a program on its way.
+/// Intermediate and output forms of a program.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, ValueEnum)]
 pub(crate) enum Form {
-    /// Tokens as the parser sees them.
+    /// Tokens of the parser.
     Tokens,
     /// Syntax tree.
     Ast,
     /// Typed units.
     Typed,
-    /// Net as the compiler sees it, without results and exports.
+    /// Net as used by the compiler, without results and exports.
     Net,
-    /// Net that the reference system can take: results and exports as ports and primitives.
+    /// Net for the reference system, with results and exports as ports and primitives.
     Rpinet,
     /// Order of evaluation.
     Schedule,
-    /// Flat image, one line per step.
+    /// Image, one line per step.
     Image,
-    /// Net drawn for Graphviz.
+    /// Drawing of the net for Graphviz.
     Dot,
-    /// Net drawn for Mermaid.
+    /// Drawing of the net for Mermaid.
     Mermaid,
-    /// C99 text with one function per cycle.
+    /// C99 source with one function per cycle.
     C,
-    /// Lustre text for model checkers: a command, or the node that `--node` names.
+    /// Lustre source for model checkers: a command, or the node given by `--node`.
     Lustre,
 }
 
 /// Options of `rpic import`.
 #[derive(Args, Debug)]
 pub(crate) struct ImportArgs {
-    /// The net (.rpinet), plain or .gz.
+    /// Net (.rpinet), plain or .gz.
     pub(crate) file: PathBuf,
-    /// Where to write; standard output without it.
+    /// Output file. Default: standard output.
     #[arg(long, short, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
 }
@@ -214,13 +214,13 @@ pub(crate) struct FmtArgs {
     /// Programs (.rpi, .lus), or folders with programs.
     #[arg(required_unless_present = "stdin")]
     pub(crate) files: Vec<PathBuf>,
-    /// Change nothing; show what would change, and exit with 1 if something would.
+    /// Change nothing; print the differences and exit with status 1 if there are any.
     #[arg(long)]
     pub(crate) check: bool,
     /// Read a program from standard input and write it to standard output.
     #[arg(long, conflicts_with_all = ["files", "check"])]
     pub(crate) stdin: bool,
-    /// What the text on standard input is called: one that ends with .lus is Lustre.
+    /// File name of the text on standard input; a name that ends in .lus means Lustre.
     #[arg(
         long,
         value_name = "FILE",
@@ -233,7 +233,7 @@ pub(crate) struct FmtArgs {
 /// Options of `rpic machine`.
 #[derive(Args, Debug)]
 pub(crate) struct MachineArgs {
-    /// Where to write; programs look for `machine.toml` beside them. Standard output without it.
+    /// Output file; programs use `machine.toml` in their own folder. Default: standard output.
     #[arg(long, short, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
 }
@@ -241,15 +241,15 @@ pub(crate) struct MachineArgs {
 /// Options of `rpic graph`.
 #[derive(Args, Debug)]
 pub(crate) struct GraphArgs {
-    /// A program (.rpi, .lus) or net (.rpinet), plain or .gz.
+    /// Program (.rpi, .lus) or net (.rpinet), plain or .gz.
     pub(crate) file: PathBuf,
     /// Language of the drawing.
-    #[arg(long, default_value = "mermaid", value_name = "FORM")]
+    #[arg(long, default_value = "mermaid", value_name = "FORMAT")]
     pub(crate) format: Drawing,
-    /// The command, if there are several.
+    /// Command to draw, if there are several.
     #[arg(long, value_name = "NAME")]
     pub(crate) command: Option<String>,
-    /// Where to write; standard output without it.
+    /// Output file. Default: standard output.
     #[arg(long, short, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
 }

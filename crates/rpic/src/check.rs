@@ -1,4 +1,4 @@
-//! `rpic check`: what is wrong with programs and nets.
+//! `rpic check`: reports the diagnostics of programs and nets.
 
 use std::collections::BTreeMap;
 use std::io::IsTerminal;
@@ -11,7 +11,7 @@ use crate::args::CheckArgs;
 use crate::mend::mend;
 use crate::outcome::{Exit, Outcome, put};
 
-/// Checks each file; the worst of them decides.
+/// Checks each file. The exit status is that of the worst one.
 pub(crate) fn check(args: &CheckArgs) -> Outcome {
     let mut report = Report::default();
     let mut all_read = true;
@@ -22,7 +22,7 @@ pub(crate) fn check(args: &CheckArgs) -> Outcome {
         };
         let compiled = match compiled {
             Ok(compiled) => compiled,
-            // What is wrong with the others is told all the same.
+            // A file that cannot be read does not prevent checking the others.
             Err(error) => {
                 rpi_diag::tell_line!("error: {error}");
                 all_read = false;
@@ -42,7 +42,7 @@ pub(crate) fn check(args: &CheckArgs) -> Outcome {
     })
 }
 
-/// A file, compiled; the analyses tell what they established if that is asked for.
+/// Compiles a file; `told` requests the summary of each analysis.
 pub(crate) fn compile(path: &Path, told: bool) -> Result<Compiled, Box<dyn std::error::Error>> {
     let input = rpi_driver::read(path)?;
     Ok(rpi_driver::compile_with(
@@ -55,12 +55,13 @@ pub(crate) fn compile(path: &Path, told: bool) -> Result<Compiled, Box<dyn std::
     )?)
 }
 
-/// The findings of several files; what they share is told once.
+/// Diagnostics of several files, without duplicates from files that several programs use.
 #[derive(Default)]
 pub(crate) struct Report {
     pub(crate) findings: Vec<Finding>,
     pub(crate) sources: SourceMap,
-    /// Where in `findings` those are that are about the same place: there can be a hundred thousand.
+    /// Indices into `findings` by code and location. The index keeps the search for duplicates fast: there can be a
+    /// hundred thousand diagnostics.
     told: BTreeMap<(Code, Span), Vec<usize>>,
 }
 
@@ -81,7 +82,7 @@ impl Report {
     }
 }
 
-/// Prints findings in the form asked for: for people to standard error, for programs to standard output.
+/// Prints diagnostics in the given format: the human format to standard error, the others to standard output.
 pub(crate) fn show(
     format: Format,
     findings: &[Finding],
@@ -92,7 +93,7 @@ pub(crate) fn show(
     match format {
         Format::Human if findings.is_empty() => {
             if std::io::stderr().is_terminal() {
-                rpi_diag::tell_line!("nothing found");
+                rpi_diag::tell_line!("no errors or warnings");
             }
             Ok(())
         }
@@ -104,7 +105,8 @@ pub(crate) fn show(
     }
 }
 
-/// Writes what is for people to standard output, unless that holds one document for programs.
+/// Writes text for people to standard output, or to standard error if the format needs standard output for its one
+/// document.
 pub(crate) fn say(format: Format, text: &str) -> Result<(), Box<dyn std::error::Error>> {
     match format {
         Format::Human => put(None, text.as_bytes()),
@@ -115,7 +117,7 @@ pub(crate) fn say(format: Format, text: &str) -> Result<(), Box<dyn std::error::
     }
 }
 
-/// What each analysis established about each thing that can be run.
+/// Formats the summary of each analysis for each compiled command and node.
 fn explained(compiled: &Compiled) -> String {
     let mut out = String::new();
     for told in &compiled.told {
@@ -127,7 +129,7 @@ fn explained(compiled: &Compiled) -> String {
     out
 }
 
-/// True if something was found that is an error.
+/// Returns whether one of the diagnostics is an error.
 pub(crate) fn has_errors(findings: &[Finding]) -> bool {
     findings.iter().any(|f| f.severity() == Severity::Error)
 }

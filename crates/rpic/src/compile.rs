@@ -1,4 +1,4 @@
-//! `rpic compile`, `import` and `graph`: other forms of a program.
+//! `rpic compile`, `import` and `graph`: conversion of a program to other forms.
 
 use std::path::{Path, PathBuf};
 
@@ -12,7 +12,7 @@ use crate::args::{CompileArgs, Drawing, Form, GraphArgs, ImportArgs};
 use crate::check::{has_errors, show};
 use crate::outcome::{Exit, Outcome, put_result};
 
-/// Writes an image, or shows a form.
+/// Writes an image, or prints an intermediate form.
 pub(crate) fn compile(args: &CompileArgs) -> Outcome {
     let input = rpi_driver::read(&args.file)?;
     let text = match args.emit {
@@ -44,7 +44,7 @@ pub(crate) fn compile(args: &CompileArgs) -> Outcome {
     }
 }
 
-/// A node by itself as Lustre, with its claims.
+/// Writes a single node as Lustre, with its properties.
 fn node_as_lustre(input: &Input, args: &CompileArgs) -> Outcome {
     let compiled = rpi_driver::compile_node(input, args.node.as_deref(), Claims::Fault, false)?;
     show(Format::Human, &compiled.findings, &compiled.sources)?;
@@ -69,7 +69,7 @@ fn show_form(form: Form, net: &Net, compiled: &Compiled, args: &CompileArgs) -> 
             show(Format::Human, &findings, &compiled.sources)?;
             text
         }
-        Form::Schedule => emit::schedule(net).ok_or("something in the net depends on itself")?,
+        Form::Schedule => emit::schedule(net).ok_or("the net has a dependency cycle")?,
         Form::Image => emit::image(net, args.period)?,
         Form::Dot => draw::dot(net),
         Form::Mermaid => draw::mermaid(net),
@@ -85,7 +85,7 @@ fn show_form(form: Form, net: &Net, compiled: &Compiled, args: &CompileArgs) -> 
             show(Format::Human, &findings, &compiled.sources)?;
             text
         }
-        // Shown before there is a net.
+        // These forms were already printed, before the net was built.
         Form::Tokens | Form::Ast | Form::Typed => String::new(),
     };
     put_result(&args.file, args.output.as_deref(), text.as_bytes())?;
@@ -100,13 +100,13 @@ fn write_image(net: &Net, input: &Input, args: &CompileArgs) -> Outcome {
     Ok(Exit::Good)
 }
 
-/// The file beside the source with another ending.
+/// Returns the path of the source with another extension.
 fn beside(input: &Input, ending: &str) -> PathBuf {
     let folder = input.path.parent().unwrap_or(Path::new(""));
     folder.join(format!("{}.{ending}", input.stem()))
 }
 
-/// The command asked for, or the only one.
+/// Returns the net of the named command, or of the only command.
 fn one<'a>(compiled: &'a Compiled, name: Option<&str>) -> Result<&'a Net, String> {
     let nets = compiled.nets();
     let names = || nets.iter().map(|net| net.name.as_str()).collect::<Vec<_>>();
@@ -114,11 +114,11 @@ fn one<'a>(compiled: &'a Compiled, name: Option<&str>) -> Result<&'a Net, String
         (Some(name), _) => nets.iter().find(|net| net.name == name).ok_or_else(|| {
             let near = rpi_diag::suggest(name, names().into_iter());
             let near = near.map_or(String::new(), |near| format!("; did you mean `{near}`?"));
-            format!("no command `{name}` that can be compiled by itself{near}")
+            format!("no command `{name}` without parameters{near}")
         }),
         (None, [net]) => Ok(net),
         (None, []) => Err(
-            "no command that can be compiled by itself, without parameters; `rpi run FILE --node NAME` runs a node, `--emit lustre --node NAME` writes it as Lustre"
+            "no command without parameters; `rpi run FILE --node NAME` runs a node, `--emit lustre --node NAME` writes it as Lustre"
                 .to_owned(),
         ),
         (None, _) => Err(format!(
@@ -128,11 +128,15 @@ fn one<'a>(compiled: &'a Compiled, name: Option<&str>) -> Result<&'a Net, String
     }
 }
 
-/// Writes a net as a program.
+/// Converts a net to a program.
 pub(crate) fn import(args: &ImportArgs) -> Outcome {
     let input = rpi_driver::read(&args.file)?;
     if input.kind != Kind::Rpinet {
-        return Err(format!("{}: only nets (.rpinet) are imported", args.file.display()).into());
+        return Err(format!(
+            "{}: only nets (.rpinet) can be imported",
+            args.file.display()
+        )
+        .into());
     }
     let compiled = rpi_driver::compile(&input)?;
     show(Format::Human, &compiled.findings, &compiled.sources)?;

@@ -1,4 +1,4 @@
-//! What the tests of a file have seen of it, all together, and how that is told.
+//! Coverage of a file by all its tests together, and its report.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
@@ -7,24 +7,24 @@ use rpi_diag::{FileId, SourceMap, Span};
 use rpi_driver::Marks;
 use rpi_host::testing::Coverage;
 
-/// What was seen, by places in the text: what is instantiated several times counts once.
+/// Covered source locations. Several instances of a node share one location and count once.
 #[derive(Default)]
 pub(crate) struct Seen {
     called: BTreeSet<Span>,
-    /// A path, and whether any instance was active.
+    /// For each fragment its path, and whether any instance was active.
     fragments: BTreeMap<Span, (String, bool)>,
     branches: BTreeMap<Span, [bool; 2]>,
     transitions: BTreeMap<Span, bool>,
 }
 
-/// How many there are of something, and how many of them were seen.
+/// Number of items, and how many of them were covered.
 #[derive(Default)]
 struct Count {
     seen: usize,
     all: usize,
 }
 
-/// The counts of what can be reached, and a line for each thing that was not.
+/// Coverage counts of the reachable items, and a line for each item that was not covered.
 #[derive(Default)]
 struct Account {
     fragments: Count,
@@ -34,7 +34,7 @@ struct Account {
 }
 
 impl Seen {
-    /// Adds what one test has seen.
+    /// Adds the coverage of one test.
     pub(crate) fn add(&mut self, coverage: &Coverage) {
         self.called.extend(&coverage.called);
         for (place, path, active) in &coverage.fragments {
@@ -50,8 +50,8 @@ impl Seen {
         }
     }
 
-    /// A line that counts, and one for each thing that was not seen. What stands in the standard library is left out: that
-    /// has tests of its own. So is what no test calls of the other modules that the program uses.
+    /// Returns a summary line and one line per uncovered item. The standard library is excluded, because it has its own
+    /// tests; so are nodes of other modules that no test calls.
     pub(crate) fn text(&self, marks: &[Marks], sources: &SourceMap) -> String {
         let mut account = Account::default();
         let own = |place: &Span| is_own(sources, *place);
@@ -82,7 +82,7 @@ impl Seen {
         )
     }
 
-    /// What was seen of something that some test calls.
+    /// Adds the counts of a unit that at least one test calls.
     fn called(&self, declared: &Marks, sources: &SourceMap, account: &mut Account) {
         for place in &declared.choices {
             let ways = self.branches.get(place).copied().unwrap_or_default();
@@ -106,7 +106,7 @@ impl Seen {
 }
 
 impl Account {
-    /// Nothing was seen of what no test calls.
+    /// Adds the counts of a unit that no test calls; none of its items is covered.
     fn uncalled(&mut self, declared: &Marks, sources: &SourceMap) {
         self.fragments.all += declared.fragments;
         self.branches.all += 2 * declared.choices.len();

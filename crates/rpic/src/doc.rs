@@ -1,4 +1,4 @@
-//! `rpic doc`: the reference of a project in HTML.
+//! `rpic doc`: generates the HTML reference of a project.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -11,11 +11,11 @@ use crate::args::DocArgs;
 use crate::check::{has_errors, show};
 use crate::outcome::{Exit, Outcome};
 
-/// What the standard library is, at the top of its reference.
+/// Introduction of the reference of the standard library.
 const LIBRARY: &str = "Fragments, nodes and device types that come with the language. `use filters;` brings in a module; \
-                       `math` and `geometry` are there without it.";
+                       `math` and `geometry` are always available.";
 
-/// Writes the reference and says where it is.
+/// Writes the pages and prints the path of the start page.
 pub(crate) fn doc(args: &DocArgs) -> Outcome {
     let (title, about, own) = match args.std {
         true => ("Standard library".to_owned(), LIBRARY.to_owned(), library()),
@@ -42,7 +42,7 @@ pub(crate) fn doc(args: &DocArgs) -> Outcome {
     Ok(if faulty { Exit::Found } else { Exit::Good })
 }
 
-/// The programs of a project.
+/// Returns the programs of a project as modules.
 fn programs(project: &Project) -> Result<Vec<Module>, Box<dyn std::error::Error>> {
     let mut modules = Vec::new();
     for path in &project.files {
@@ -61,7 +61,7 @@ fn programs(project: &Project) -> Result<Vec<Module>, Box<dyn std::error::Error>
     Ok(modules)
 }
 
-/// The library stands alone: nothing on disk takes the place of its modules.
+/// Empty file system: no file on disk may replace a module of the standard library.
 struct Nothing;
 
 impl Files for Nothing {
@@ -83,7 +83,7 @@ fn library_module(name: &str) -> Option<Module> {
     })
 }
 
-/// Adds the modules of the library that some modules use, so that links to them lead somewhere.
+/// Adds the library modules that other modules use, so that links to them have a target.
 fn with_used(mut modules: Vec<Module>) -> Vec<Module> {
     let sources = |seen: &Inspected| {
         let all = seen
@@ -116,7 +116,7 @@ fn write(folder: &Path, site: &Site) -> Result<(), String> {
     Ok(())
 }
 
-/// The programs that open a page on the systems that there are.
+/// Programs that open a page in a browser on the current operating system.
 const OPENERS: &[&str] = if cfg!(target_os = "macos") {
     &["open"]
 } else if cfg!(windows) {
@@ -132,6 +132,9 @@ fn open(page: &Path) -> Result<(), String> {
     });
     match opened {
         true => Ok(()),
-        false => Err(format!("{} is not there to open it", OPENERS.join(", "))),
+        false => Err(format!(
+            "cannot open the page: {} not found",
+            OPENERS.join(", ")
+        )),
     }
 }

@@ -1,10 +1,10 @@
-//! `rpic explain`: the page of a code, or the list of all codes.
+//! `rpic explain`: prints the explanation page of a diagnostic code, or the list of all codes.
 
 use rpi_diag::{Code, suggest};
 
 use crate::outcome::{Exit, Outcome, put};
 
-/// Prints the page of a code.
+/// Prints the explanation page of a code.
 pub(crate) fn explain(name: &str) -> Outcome {
     let upper = match name.bytes().all(|byte| byte.is_ascii_digit()) {
         true => format!("RPI{name:0>4}"),
@@ -13,7 +13,7 @@ pub(crate) fn explain(name: &str) -> Outcome {
     let Some(code) = Code::parse(&upper) else {
         let near = suggest(&upper, Code::ALL.iter().map(|code| code.as_str()));
         let near = near.map_or(String::new(), |code| format!("; did you mean {code}?"));
-        return Err(format!("no finding has the code {name}{near}").into());
+        return Err(format!("unknown diagnostic code: {name}{near}").into());
     };
     put(None, code.page().as_bytes())?;
     Ok(Exit::Good)

@@ -1,4 +1,4 @@
-//! `rpic fmt`: one style for all programs.
+//! `rpic fmt`: formats programs.
 
 use std::io::Read as _;
 use std::path::Path;
@@ -36,12 +36,13 @@ pub(crate) fn fmt(args: &FmtArgs) -> Outcome {
     Ok(exit)
 }
 
-/// Refuses a file that holds its text packed or in another encoding: written back it would be another file.
+/// Rejects a compressed file and a file in another encoding, because writing it as plain UTF-8 would change more than
+/// its formatting.
 fn is_written_back_the_same(file: &Path, text: &str) -> Result<(), String> {
     match holds(file, text) {
         true => Ok(()),
         false => Err(format!(
-            "{}: only plain files in UTF-8 are formatted in place; unpack it, or convert it (`iconv -f ISO-8859-1 -t UTF-8`)",
+            "{}: cannot format in place: not plain UTF-8; decompress it, or convert it with `iconv -f ISO-8859-1 -t UTF-8`",
             file.display()
         )),
     }
@@ -56,7 +57,7 @@ fn stdin(name: &str) -> Outcome {
     }
 }
 
-/// Shows what formatting would change.
+/// Prints the differences that formatting would make.
 fn not_formatted(file: &Path, old: &str, new: &str) -> Outcome {
     rpi_diag::tell_line!("{}: not formatted", file.display());
     let name = file.display().to_string();
@@ -66,7 +67,7 @@ fn not_formatted(file: &Path, old: &str, new: &str) -> Outcome {
     Ok(Exit::Found)
 }
 
-/// The text in our style; what keeps it from being formatted is printed.
+/// Returns the formatted text. Returns `None` and prints the diagnostics if the text cannot be parsed.
 fn formatted(name: &str, text: &str) -> Result<Option<String>, Box<dyn std::error::Error>> {
     let mode = Mode::of_path(name);
     if let Ok(new) = format(text, mode) {

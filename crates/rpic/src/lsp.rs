@@ -4,7 +4,7 @@ use std::io;
 
 use crate::outcome::{Exit, Outcome};
 
-/// Serves one editor until it leaves.
+/// Serves one editor until it closes the connection.
 pub(crate) fn lsp() -> Outcome {
     rpi_lsp::serve(io::BufReader::new(io::stdin()), io::stdout())?;
     Ok(Exit::Good)

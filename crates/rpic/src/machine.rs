@@ -1,4 +1,4 @@
-//! `rpic machine`: measures how long an elementary operation takes here at worst, and keeps that for the budgets of
+//! `rpic machine`: measures the worst-case time of an elementary operation on this machine, for the budgets of
 //! programs.
 
 use std::path::PathBuf;
@@ -11,19 +11,19 @@ use rpi_net::passes::analyse;
 use crate::args::MachineArgs;
 use crate::outcome::{Exit, Outcome, put};
 
-/// Equations of the program that is measured: of all kinds, so that no branch can be foreseen.
+/// Number of equations of the measured program. There are enough equations of all kinds to defeat branch prediction.
 const EQUATIONS: usize = 2_000;
 
-/// Cycles that are measured.
+/// Number of measured cycles.
 const CYCLES: usize = 500;
 
-/// What is written down exceeds what is measured so many times.
+/// Safety factor on the measured time.
 const MARGIN: f64 = 2.0;
 
-/// Period for which the program is made, nanoseconds.
+/// Period for which the program is compiled, in ns.
 const PERIOD: u64 = 1_000_000;
 
-/// Measures, and writes `machine.toml` or prints it.
+/// Measures, and writes `machine.toml` or prints its content.
 pub(crate) fn machine(args: &MachineArgs) -> Outcome {
     let input = Input {
         path: PathBuf::from("measured.rpi"),
@@ -32,7 +32,7 @@ pub(crate) fn machine(args: &MachineArgs) -> Outcome {
     };
     let compiled = compile(&input)?;
     let [net] = compiled.nets() else {
-        return Err("the program that is measured does not compile".into());
+        return Err("internal error: the measured program does not compile".into());
     };
     let analysis = analyse(net.clone(), |_| false).map_err(|violation| violation.to_string())?;
     let operations = analysis.work.of(FragmentId::ROOT).max(1);
@@ -40,13 +40,13 @@ pub(crate) fn machine(args: &MachineArgs) -> Outcome {
     let measured = cycle as f64 / operations as f64;
     let ns = MARGIN * measured;
     rpi_diag::tell_line!(
-        "a cycle of {operations} operations took {cycle} ns with cold caches: {measured:.2} ns each, written down as {ns:.2}"
+        "a cycle of {operations} operations took {cycle} ns with cold caches: {measured:.2} ns per operation, recorded as {ns:.2}"
     );
     put(args.output.as_deref(), machine_text(ns).as_bytes())?;
     Ok(Exit::Good)
 }
 
-/// A command of sums, products, choices, comparisons and delays.
+/// Returns the source of a command with sums, products, selections, comparisons and delays.
 fn program(equations: usize) -> String {
     let mut body = String::from("  x0 = time / 1[s];\n");
     for k in 1..equations {

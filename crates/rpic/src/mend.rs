@@ -1,7 +1,7 @@
-//! `rpic check --fix`: applies the fixes that are sure.
+//! `rpic check --fix`: applies the fixes that are certain.
 //!
-//! Each round takes the fixes that do not touch each other and looks again, as one fault may hide another. A file
-//! changes from its old text to its new one at once: whoever reads it meanwhile sees the one or the other.
+//! Each round applies the fixes that do not overlap and compiles again, because one error may hide another. A file is
+//! replaced atomically, so that a concurrent reader sees either the old or the new text.
 
 use std::fs;
 use std::path::Path;
@@ -12,12 +12,13 @@ use rpi_driver::Compiled;
 use crate::check::compile;
 use crate::outcome::holds;
 
-/// Rounds at most: what still has sure fixes then mends nothing.
+/// Largest number of rounds. Fixes that are still offered after that do not converge.
 const ROUNDS: usize = 10;
 
 type Failure = Box<dyn std::error::Error>;
 
-/// Mends a file and those of its project that it uses, tells what was done, and checks what is left.
+/// Fixes a file and the files of its project that it uses, prints the applied fixes, and returns the result of the last
+/// compilation.
 pub(crate) fn mend(path: &Path, told: bool) -> Result<Compiled, Failure> {
     let mut compiled = compile(path, told)?;
     for _ in 0..ROUNDS {
@@ -29,7 +30,7 @@ pub(crate) fn mend(path: &Path, told: bool) -> Result<Compiled, Failure> {
     Ok(compiled)
 }
 
-/// Applies what can be applied together; false if there was nothing.
+/// Applies the fixes that can be applied together. Returns false if there were none.
 fn round(compiled: &Compiled) -> Result<bool, Failure> {
     let sources = &compiled.sources;
     let on_disk = |fix: &&Fix| {
@@ -54,6 +55,7 @@ fn round(compiled: &Compiled) -> Result<bool, Failure> {
             written.push((path, write_beside(path, &text)?));
         }
     }
+    // All new files exist before the first one replaces its original, so a failed write changes nothing.
     for (path, new) in &written {
         fs::rename(new, path).map_err(|e| format!("{}: {e}", path.display()))?;
     }
@@ -61,12 +63,13 @@ fn round(compiled: &Compiled) -> Result<bool, Failure> {
     Ok(!written.is_empty())
 }
 
-/// Whether a text is that of a file; the standard library is part of the compiler.
+/// Returns whether the text of a source is the content of a file on disk. The standard library is embedded in the
+/// compiler and cannot be fixed.
 fn is_on_disk(sources: &SourceMap, file: FileId) -> bool {
     holds(Path::new(sources.name(file)), sources.text(file))
 }
 
-/// Writes the new text beside the old one, with its permissions.
+/// Writes the new text to a temporary file beside the old one, with the same permissions.
 fn write_beside(path: &Path, text: &str) -> Result<std::path::PathBuf, Failure> {
     let mut name = path.file_name().unwrap_or_default().to_owned();
     name.push(".mending");
@@ -79,7 +82,7 @@ fn write_beside(path: &Path, text: &str) -> Result<std::path::PathBuf, Failure> 
     Ok(new)
 }
 
-/// One line for each fix.
+/// Prints one line for each applied fix.
 fn tell(fixes: &[&Fix], sources: &SourceMap) {
     for fix in fixes {
         if let Some(edit) = fix.edits.first() {

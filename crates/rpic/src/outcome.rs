@@ -1,18 +1,18 @@
-//! How the tool ends, and where its text goes.
+//! Exit status of the tool and output of its results.
 
 use std::fs;
 use std::io::Write as _;
 use std::path::Path;
 use std::process::ExitCode;
 
-/// Exit statuses.
+/// Exit status.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Exit {
-    /// Nothing to say against it.
+    /// Success: no errors.
     Good,
-    /// Something was found.
+    /// Errors were reported.
     Found,
-    /// A file or an option is wrong.
+    /// A file cannot be read or an option is invalid.
     BadInput,
 }
 
@@ -26,10 +26,10 @@ impl From<Exit> for ExitCode {
     }
 }
 
-/// A task's end; the error text is for people.
+/// Result of a subcommand; the error is a message for people.
 pub(crate) type Outcome = Result<Exit, Box<dyn std::error::Error>>;
 
-/// Writes what was made of `source` like [`put`]; refuses to overwrite it.
+/// Writes a result derived from `source` like [`put`], but refuses to overwrite `source`.
 pub(crate) fn put_result(
     source: &Path,
     output: Option<&Path>,
@@ -39,17 +39,21 @@ pub(crate) fn put_result(
         && let (Ok(old), Ok(new)) = (source.canonicalize(), path.canonicalize())
         && old == new
     {
-        return Err(format!("{}: this is the input; it would be lost", path.display()).into());
+        return Err(format!(
+            "{}: this is the input file; refusing to overwrite it",
+            path.display()
+        )
+        .into());
     }
     put(output, bytes)
 }
 
-/// Whether a file holds just this text: not one that is packed or in another encoding.
+/// Returns whether the bytes of a file are exactly this text; false for a compressed file or one in another encoding.
 pub(crate) fn holds(path: &Path, text: &str) -> bool {
     fs::read(path).is_ok_and(|bytes| bytes == text.as_bytes())
 }
 
-/// Writes to a file, or to standard output without one. A reader that closes the pipe early is no error.
+/// Writes to a file, or to standard output if there is none. A closed pipe is not an error.
 pub(crate) fn put(output: Option<&Path>, bytes: &[u8]) -> Result<(), Box<dyn std::error::Error>> {
     match output {
         Some(path) => fs::write(path, bytes).map_err(|e| format!("{}: {e}", path.display()).into()),

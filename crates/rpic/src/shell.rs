@@ -1,4 +1,4 @@
-//! Completions and manual pages, made from the options themselves.
+//! Shell completions and manual pages, generated from the command line definition.
 
 use std::path::Path;
 
@@ -8,13 +8,13 @@ use clap_complete::Shell;
 use crate::args::Cli;
 use crate::outcome::{Exit, Outcome};
 
-/// Prints the completions of a shell.
+/// Prints the completion script of a shell.
 pub(crate) fn completions(shell: Shell) -> Outcome {
     clap_complete::generate(shell, &mut Cli::command(), "rpic", &mut std::io::stdout());
     Ok(Exit::Good)
 }
 
-/// Writes the manual pages into a folder, which is made if it is not there.
+/// Writes the manual pages to a folder, which is created if necessary.
 pub(crate) fn man(folder: &Path) -> Outcome {
     std::fs::create_dir_all(folder)?;
     clap_mangen::generate_to(Cli::command(), folder)?;

@@ -1,4 +1,4 @@
-//! `rpic test`: runs the tests that stand in programs.
+//! `rpic test`: runs the tests contained in programs.
 
 use std::path::Path;
 
@@ -13,7 +13,7 @@ use crate::check::{Report as Told, say, show};
 use crate::coverage::Seen;
 use crate::outcome::{Exit, Outcome};
 
-/// Runs the tests of each file; one that fails decides.
+/// Runs the tests of each file. The exit status is 1 if a test fails.
 pub(crate) fn test(args: &TestArgs) -> Outcome {
     let (mut exit, mut tally) = (Exit::Good, Tally::default());
     let mut out = Out {
@@ -47,7 +47,7 @@ pub(crate) fn test(args: &TestArgs) -> Outcome {
     })
 }
 
-/// Where it goes what is to be said: for people as it happens, for programs in one document at the end.
+/// Output of the test run. The human format is printed immediately, the others as one document at the end.
 struct Out {
     format: Format,
     told: Told,
@@ -78,7 +78,7 @@ impl Out {
     }
 }
 
-/// How many tests went how.
+/// Number of tests by result.
 #[derive(Default)]
 struct Tally {
     passed: usize,
@@ -90,13 +90,13 @@ impl Tally {
     fn text(&self) -> String {
         let left_out = match self.left_out {
             0 => String::new(),
-            n => format!(", {n} left out"),
+            n => format!(", {n} filtered out"),
         };
         format!("{} passed, {} failed{left_out}\n", self.passed, self.failed)
     }
 }
 
-/// The examples in a program's doc comments: they compile, and what they claim holds.
+/// Compiles and runs the examples in the doc comments of a program.
 fn examples(
     input: &Input,
     args: &TestArgs,
@@ -128,7 +128,7 @@ fn examples(
     Ok(())
 }
 
-/// Runs the tests of a program; gives what they have seen, if that is noted.
+/// Runs the tests of a program and returns their coverage, if it was recorded.
 fn one_file(
     file: &Path,
     args: &TestArgs,
@@ -172,7 +172,7 @@ fn report(test: &Test, args: &TestArgs) -> Result<Report, String> {
     .map_err(|why| format!("{}: {why}", test.title))
 }
 
-/// Whether a claim stands in the test itself.
+/// Returns whether a claim is an assertion of the test itself, not of a called unit.
 fn is_own(claim: &Claim) -> bool {
     claim.path.is_empty() && claim.kind == ClaimKind::Assert
 }
@@ -191,11 +191,11 @@ fn condition(claim: &Claim) -> Condition {
     }
 }
 
-/// What speaks against a test.
+/// Returns the diagnostics of a test.
 fn findings(test: &Test, report: &Report) -> Vec<Finding> {
     let mut findings = report.broken.clone();
     for (expectation, holds) in own(test).zip(&report.verdicts) {
-        let name = expectation.label.as_deref().unwrap_or("this");
+        let name = expectation.label.as_deref().unwrap_or("the assertion");
         match holds {
             Holds::Always => {}
             Holds::Never => findings.push(
@@ -206,7 +206,7 @@ fn findings(test: &Test, report: &Report) -> Vec<Finding> {
                         cycles => format!("{name} was absent in all {cycles} cycles"),
                     },
                 )
-                .at(expectation.span, "nothing was ever claimed here"),
+                .at(expectation.span, "never evaluated"),
             ),
             Holds::Broken { cycle, values } => {
                 findings.push(broken(name, *cycle, values, expectation.span));
@@ -240,15 +240,18 @@ fn ended(test: &Test, report: &Report, end: &Ended) -> Option<Finding> {
         Ended::Unfinished => Some(
             Finding::new(
                 Code::RPI9001,
-                format!("it did not finish in {}", counted(report.cycles, "cycle")),
+                format!(
+                    "the test did not finish in {}",
+                    counted(report.cycles, "cycle")
+                ),
             )
             .at(test.span, "this test has a `finish`")
-            .help("correct its condition, or give the test more time by `--cycles`"),
+            .help("correct its condition, or allow more cycles with `--cycles`"),
         ),
         Ended::Failed(name) => Some(
             Finding::new(
                 Code::RPI9001,
-                format!("it ended by `fail {name}` in cycle {cycle}"),
+                format!("the test ended with `fail {name}` in cycle {cycle}"),
             )
             .at(test.span, "this test"),
         ),

@@ -1,4 +1,4 @@
-//! `rpic check` on files as they come: line ends, tabs, marks, wide characters, several files; and what `--fix` does.
+//! `rpic check` on real-world files (line ends, tabs, byte order marks, wide characters, several files), and `--fix`.
 
 use std::path::Path;
 use std::process::{Command, Output};
@@ -16,7 +16,7 @@ fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }
 
-/// A folder with these files.
+/// Creates a folder with the given files.
 fn folder(files: &[(&str, &str)]) -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("a folder");
     for (name, text) in files {
@@ -210,7 +210,7 @@ fn the_worst_decides_how_it_ends() {
     assert_eq!(status(&["missing.rpi"]), Some(2));
 }
 
-/// What describes the machine is no program, and no reason to check for another machine.
+/// An invalid `machine.toml` is an error; it must not silently be replaced by the default machine.
 #[test]
 fn a_machine_that_is_none_is_told() {
     let folder = tempfile::tempdir().unwrap();
@@ -224,20 +224,20 @@ fn a_machine_that_is_none_is_told() {
     };
     let machine = folder.path().join("machine.toml");
     std::fs::create_dir(&machine).unwrap();
-    assert!(check().contains("this is no text file"));
+    assert!(check().contains("not a text file"));
     std::fs::remove_dir(&machine).unwrap();
     std::fs::write(&machine, "speed = 3\n").unwrap();
     let told = check();
     for part in [
         "machine.toml: ",
         "line 1: unknown field `speed`",
-        "help: it has to state",
+        "help: required is",
     ] {
         assert!(told.contains(part), "{part} in {told}");
     }
 }
 
-/// Types know frames by their names: one name stands for one place, whichever module says where.
+/// Types refer to frames by name, so two modules must not place a frame of the same name differently.
 #[test]
 fn frames_of_one_name_are_at_one_place() {
     let frame = |by: &str| format!("frame table in {by};\n");
@@ -268,7 +268,7 @@ fn frames_of_one_name_are_at_one_place() {
     assert!(parents.contains("here it is placed in `base`"), "{parents}");
 }
 
-/// Neither module goes before the other.
+/// Neither of the two modules takes precedence.
 #[test]
 fn a_name_of_two_modules_is_told_and_may_be_qualified() {
     let main = |k: &str| {
@@ -296,7 +296,7 @@ fn a_name_of_two_modules_is_told_and_may_be_qualified() {
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
 }
 
-/// A file is read as its own name says, whoever includes it.
+/// The file extension decides the language of an included file, whichever file includes it.
 #[test]
 fn a_program_includes_lustre() {
     let library = "node rem (x: int) returns (y: int);\nlet y = if x > 0 then x % 3 else 0; tel\n";
@@ -316,7 +316,7 @@ fn a_program_includes_lustre() {
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
 }
 
-/// What is written back would be another file than the one that was read.
+/// Formatting in place would change more than the layout of the file.
 #[test]
 fn only_plain_files_in_utf_8_are_formatted_in_place() {
     let folder = folder(&[]);
@@ -328,7 +328,7 @@ fn only_plain_files_in_utf_8_are_formatted_in_place() {
     assert_eq!(std::fs::read(&file).expect("it is there"), latin);
 }
 
-/// What may mean several things, each the value of `z` beside flows `b, d: bool`, `n, width: int` and `r: real`.
+/// Ambiguous expressions, each used as the value of `z`, with flows `b, d: bool`, `n, width: int` and `r: real`.
 const DOUBTFUL: &[&str] = &[
     "if b nand d then 1 else 0",
     "if b NAND d then 1 else 0",

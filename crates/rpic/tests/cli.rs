@@ -1,4 +1,4 @@
-//! The compiler as its users meet it: arguments in; text, files and exit status out.
+//! Command line interface of the compiler: arguments in; text, files and exit status out.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -32,7 +32,7 @@ fn err(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
-/// A folder with one file, and the file's path.
+/// Creates a folder with one file, and returns the path of the file.
 fn file(name: &str, text: &str) -> (tempfile::TempDir, String) {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join(name);
@@ -125,7 +125,8 @@ fn analyses_tell_what_they_found() {
     }
 }
 
-/// What is proved safe is not listed: divisors that a condition or a subrange keeps from 0, counters, indices.
+/// Operations that are proved safe are not listed: divisors that a condition or a subrange keeps from 0, counters,
+/// indices.
 const CAN_FAULT: &str = "\
 type Slot = subrange [1, 4] of int;
 node Safe (s: Slot; x: int; a: int^5) returns (p, q, r, n, e: int)
@@ -194,7 +195,7 @@ fn the_name_of_standard_input_tells_its_language() {
     assert!(out(&named).contains("y = x mod 2;"), "{}", err(&named));
 }
 
-/// What `rpic fmt --stdin` makes of a text.
+/// Returns the output of `rpic fmt --stdin` for a text.
 fn through_fmt(text: &str, options: &[&str]) -> Output {
     let mut child = Command::new(env!("CARGO_BIN_EXE_rpic"))
         .args(["fmt", "--stdin"])
@@ -308,7 +309,7 @@ fn what_is_not_there_is_told() {
         let output = rpic(args);
         assert_eq!(output.status.code(), Some(2), "{args:?}: {}", err(&output));
         assert!(
-            err(&output).contains("there is no such file"),
+            err(&output).contains("no such file"),
             "{args:?}: {}",
             err(&output)
         );

@@ -1,4 +1,4 @@
-//! `rpic lsp` as an editor starts it: a process, spoken to over its standard input and output.
+//! `rpic lsp` as an editor runs it: a process with the protocol on standard input and output.
 
 use std::process::{Child, Command, Stdio};
 
@@ -17,7 +17,7 @@ let
 tel
 ";
 
-/// The server, and a client that is connected to it.
+/// Starts the server and a client that is connected to it.
 fn start() -> (Child, LspClient) {
     let mut server = Command::new(env!("CARGO_BIN_EXE_rpic"))
         .arg("lsp")
@@ -29,7 +29,7 @@ fn start() -> (Child, LspClient) {
     (server, LspClient::new(input, output))
 }
 
-/// The parameters of a request about the place where `what` stands.
+/// Returns the parameters of a request at the position of `what`.
 fn at(uri: &str, what: &str) -> Value {
     let before = &PROGRAM[..PROGRAM.find(what).unwrap()];
     let column = before.rsplit('\n').next().unwrap_or("").len();

@@ -1,4 +1,4 @@
-//! `rpic test`: tests that stand in programs, and the pages of the codes that they give.
+//! `rpic test`: tests contained in programs, and the explanation pages of the codes that it reports.
 
 use std::process::{Command, Output};
 
@@ -48,7 +48,10 @@ fn a_claim_that_does_not_hold_is_shown_with_cycle_and_values() {
 fn tests_are_chosen_by_title() {
     let (status, text) = run(LAMP, &["--filter", "goes out"]);
     assert_eq!(status, Some(0), "{text}");
-    assert!(text.contains("1 passed, 0 failed, 1 left out"), "{text}");
+    assert!(
+        text.contains("1 passed, 0 failed, 1 filtered out"),
+        "{text}"
+    );
 }
 
 #[test]
@@ -62,7 +65,7 @@ fn coverage_names_what_was_not_seen() {
     assert!(part.contains("never active: lamp.On"), "{part}");
 }
 
-/// What is told of the coverage of a program whose tests pass.
+/// Returns the coverage report of a program whose tests pass.
 #[track_caller]
 fn covered(program: &str) -> Vec<String> {
     let (status, text) = run(program, &["--coverage"]);
@@ -84,7 +87,7 @@ fn transitions_count_where_they_are_taken() {
     assert_eq!(covered(include_str!("data/gate.rpi")), expected);
 }
 
-/// The automata of a body, and those of two calls, are told apart.
+/// Two automata of one body, and the same automaton in two calls, are counted separately.
 #[test]
 fn automata_beside_one_another_have_transitions_of_their_own() {
     let expected = [
@@ -94,8 +97,8 @@ fn automata_beside_one_another_have_transitions_of_their_own() {
     assert_eq!(covered(include_str!("data/automata.rpi")), expected);
 }
 
-/// What a constant or a static parameter decides is a choice like others, inside a branch counts what happens while that is
-/// taken, `->` and the test's own choices are none, and what no test calls is named.
+/// A choice by a constant or a static parameter counts like any other. Items inside a branch are counted while the
+/// branch is taken. `->` and the choices of the test itself do not count. Units that no test calls are listed.
 #[test]
 fn branches_count_where_they_matter() {
     let expected = [
@@ -152,7 +155,7 @@ fn pages_of_failing_tests_say_what_happens() {
     }
 }
 
-/// The program of a fence in Markdown.
+/// Returns the program in a fenced block of a Markdown text.
 fn fence<'p>(page: &'p str, info: &str) -> &'p str {
     let (_, rest) = page
         .split_once(&format!("```{info}\n"))
@@ -160,7 +163,7 @@ fn fence<'p>(page: &'p str, info: &str) -> &'p str {
     rest.split_once("```").expect("it is closed").0
 }
 
-/// What the language means and what the library does, said in the language.
+/// Runs the tests of the language semantics and of the library, which are written in RPI.
 #[test]
 fn what_programs_claim_of_language_and_library_holds() {
     let root = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");

@@ -1,6 +1,5 @@
-//! What the tools say of programs that nothing is wrong with before they are run or written: `tests/ui/testing` through
-//! `rpic test`, `tests/ui/emitting` through `rpic compile --emit`. Each message stands beside its program;
-//! `RPI_BLESS=1` writes them anew.
+//! Expected output of the tools for programs without errors: `tests/ui/testing` with `rpic test`, `tests/ui/emitting`
+//! with `rpic compile --emit`. The expected messages are in a file beside each program; `RPI_BLESS=1` overwrites them.
 
 use std::path::Path;
 
@@ -28,7 +27,7 @@ fn compare(folder: &str, task: &[&str], ending: &str) {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// What is said of a program, if that is not what stands beside it.
+/// Compares the messages about a program with the expected ones.
 fn differs(path: &Path, task: &[&str]) -> Option<String> {
     tool_differs(path, env!("CARGO_BIN_EXE_rpic"), |command, name| {
         command.args(task).arg(name);

@@ -1,4 +1,4 @@
-//! From a body to a scene: equations, results, fragments and automata as boxes.
+//! Conversion of a body to a scene: equations, results, fragments and automata become boxes.
 
 use rpi_diag::Span;
 use rpi_sema::query::{DefId, DefKind};
@@ -13,10 +13,10 @@ use super::scene::{Drawing, End, Link, Place, Role, SceneId, Shape, ShapeId};
 use crate::declaration::Shown;
 use crate::parts::one_line;
 
-/// Letters that a line of a box can take.
+/// Largest number of characters in a line of a box.
 const LINE: usize = 34;
 
-/// What is inside a declaration.
+/// Returns the drawing of the body of a declaration.
 pub(super) fn drawing(shown: &Shown<'_>, id: DefId, body: &Body) -> Drawing {
     let mut builder = Builder {
         shown,
@@ -52,7 +52,7 @@ struct Builder<'b> {
 }
 
 impl Builder<'_> {
-    /// The in-ports of a declaration. Devices are shown by the ports that are read.
+    /// Adds the in-ports of a declaration. Devices are shown by the ports that are read.
     fn inputs(&mut self, root: SceneId, id: DefId) {
         let index = self.shown.seen.index();
         let file = index.def(id).span.file;
@@ -71,7 +71,7 @@ impl Builder<'_> {
         }
     }
 
-    /// What is read and comes from devices and from those who watch the command.
+    /// Adds boxes for values that come from devices or from the execution of the command.
     fn enters_root(&mut self, root: SceneId) {
         for key in self.traffic.undefined() {
             if matches!(key, Key::Flow(_)) {
@@ -116,7 +116,7 @@ impl Builder<'_> {
         }
     }
 
-    /// The equations that a block stands for.
+    /// Adds the equations to which a block is desugared.
     fn meaning(&mut self, scene: SceneId, means: &Meaning) {
         for (equation, span) in &means.equations {
             self.equation(scene, equation, *span);
@@ -145,7 +145,7 @@ impl Builder<'_> {
         }
     }
 
-    /// What an equation defines, and whether that leaves the declaration.
+    /// Returns what an equation defines, and whether it is an output of the declaration.
     fn key(&self, target: &Target) -> Option<(Key, bool)> {
         let index = self.shown.seen.index();
         let def = index.references_in(target.name.span).first()?.def;
@@ -154,7 +154,7 @@ impl Builder<'_> {
         Some((Key::Flow(def), leaves))
     }
 
-    /// A box for an expression.
+    /// Adds a box for an expression.
     fn boxed(
         &mut self,
         scene: SceneId,
@@ -174,7 +174,7 @@ impl Builder<'_> {
         self.drawing.shape(scene, shape)
     }
 
-    /// Where what an expression calls is told about.
+    /// Returns the link to the declaration called by an expression.
     fn callee(&self, value: &Expr) -> Option<String> {
         let ExprKind::Call(call) = &value.unparen().kind else {
             return None;
@@ -288,7 +288,7 @@ fn now(key: Key) -> Read {
     }
 }
 
-/// A text that fits in a box.
+/// Shortens a text to the width of a box.
 pub(super) fn short(text: &str) -> String {
     match text.chars().count() > LINE {
         true => text.chars().take(LINE - 1).chain(['\u{2026}']).collect(),

@@ -1,41 +1,42 @@
-//! The order of boxes: layers from left to right along the lines, within a layer an order with few crossings.
+//! Layered graph drawing: layers from left to right along the edges, and an order within each layer with few crossings.
 //!
-//! After Sugiyama, Tagawa and Toda, "Methods for visual understanding of hierarchical system structures", 1981: layers by the
-//! longest path, lines over several layers through places that they keep free, barycentres back and forth.
+//! Sugiyama, Tagawa and Toda, "Methods for visual understanding of hierarchical system structures", 1981: layers by the
+//! longest path, dummy vertices for edges over several layers, and barycentre sweeps back and forth.
 
-/// Where a box wants to be.
+/// Constraint on the layer of a box.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Pin {
-    /// Leftmost.
+    /// First layer, at the left.
     First,
-    /// Rightmost.
+    /// Last layer, at the right.
     Last,
-    /// Where its lines lead it.
+    /// Layer determined by the edges.
     Free,
 }
 
-/// A line between boxes.
+/// Edge between boxes.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct Edge {
     pub(super) from: usize,
     pub(super) to: usize,
-    /// Does not decide who is left of whom. What comes back is whether it leads backwards.
+    /// On input, whether the edge is ignored for the assignment of layers. On output, whether the edge points
+    /// backwards.
     pub(super) back: bool,
 }
 
-/// Boxes in layers. Numbers from that of the boxes on are places that lines keep free.
+/// Boxes in layers. Numbers at or above the number of boxes are dummy vertices of edges.
 #[derive(Default, Debug)]
 pub(super) struct Layers {
-    /// Who is in each layer, from above.
+    /// Vertices of each layer, from top to bottom.
     pub(super) columns: Vec<Vec<usize>>,
-    /// For each line that goes forwards: where it begins, the free places, where it ends; empty for others.
+    /// For each forward edge its vertices: start, dummy vertices, end. Empty for backward edges.
     pub(super) chains: Vec<Vec<usize>>,
 }
 
-/// How often the order within layers is improved.
+/// Number of sweeps that improve the order within the layers.
 const SWEEPS: usize = 12;
 
-/// Puts boxes into layers. Lines that would close a ring become lines backwards.
+/// Assigns boxes to layers. Edges that would close a cycle of the graph become backward edges.
 pub(super) fn layers(pins: &[Pin], edges: &mut [Edge]) -> Layers {
     break_rings(pins.len(), edges);
     let level = levels(pins, edges);
@@ -52,7 +53,7 @@ pub(super) fn layers(pins: &[Pin], edges: &mut [Edge]) -> Layers {
     layers
 }
 
-/// Marks as backwards what leads to a box that is still open when boxes are visited along the lines.
+/// Marks as backward each edge to a vertex that is still open in the depth-first search.
 fn break_rings(count: usize, edges: &mut [Edge]) {
     let mut state = vec![0_u8; count];
     for start in 0..count {
@@ -77,10 +78,12 @@ fn visit(vertex: usize, state: &mut [u8], edges: &mut [Edge]) {
     state[vertex] = 2;
 }
 
-/// The layer of each box: right of all that it reads, and not farther left than needed.
+/// Returns the layer of each box: to the right of everything that it reads. A box without sources is moved next to its
+/// first reader.
 fn levels(pins: &[Pin], edges: &[Edge]) -> Vec<usize> {
     let mut level = vec![0; pins.len()];
     let forward: Vec<&Edge> = edges.iter().filter(|edge| !edge.back).collect();
+    // Relaxation as in the Bellman-Ford algorithm. The graph is acyclic now, so a longest path has fewer than n edges.
     for _ in 0..pins.len() {
         for edge in &forward {
             level[edge.to] = level[edge.to].max(level[edge.from] + 1);
@@ -99,7 +102,7 @@ fn levels(pins: &[Pin], edges: &[Edge]) -> Vec<usize> {
     level
 }
 
-/// Gives lines over several layers a free place in each between.
+/// Adds a dummy vertex in each intermediate layer of an edge over several layers.
 fn chains(level: &[usize], edges: &[Edge], columns: &mut [Vec<usize>]) -> Vec<Vec<usize>> {
     let mut next = level.len();
     let mut chains = Vec::new();
@@ -124,7 +127,7 @@ fn chains(level: &[usize], edges: &[Edge], columns: &mut [Vec<usize>]) -> Vec<Ve
 }
 
 impl Layers {
-    /// Orders each layer by the mean place of its neighbours, to the right and back, and keeps the best order found.
+    /// Orders each layer by the barycentres of its neighbours, sweeping left and right, and keeps the best order found.
     fn untangle(&mut self) {
         let links = self.links();
         let mut best = self.columns.clone();
@@ -149,7 +152,7 @@ impl Layers {
         self.columns = best;
     }
 
-    /// Lines from one layer to the next.
+    /// Returns the segments of edges between adjacent layers.
     pub(super) fn links(&self) -> Vec<(usize, usize)> {
         let pairs = self.chains.iter().flat_map(|chain| chain.windows(2));
         pairs.map(|pair| (pair[0], pair[1])).collect()

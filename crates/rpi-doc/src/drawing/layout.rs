@@ -1,40 +1,40 @@
-//! Where boxes and lines are, in pixels: scenes from the inside out, boxes in columns, lines between the columns.
+//! Coordinates of boxes and lines in pixels: scenes from the inside out, boxes in columns, lines between the columns.
 
 use std::fmt::Write as _;
 
 use super::layers::{Edge, Layers, Pin, layers};
 use super::scene::{Drawing, End, Link, Role, SceneId, Shape};
 
-/// Width of a letter: of a title, of a detail, of a label.
+/// Widths of a character in a title, a detail and a label.
 const TITLE: f64 = 7.2;
 const DETAIL: f64 = 6.7;
 const LABEL: f64 = 6.2;
-/// Heights of a box with one line and with two.
+/// Heights of a box with one line and with two lines of text.
 const LOW: f64 = 24.0;
 const HIGH: f64 = 40.0;
-/// Space above and around a scene in its box.
+/// Space above a nested scene, and around it, in its box.
 pub(super) const HEAD: f64 = 42.0;
 pub(super) const PAD: f64 = 12.0;
-/// Space between boxes of a column, and between columns.
+/// Vertical space between the boxes of a column, and horizontal space between columns.
 const BELOW: f64 = 14.0;
 const BESIDE: f64 = 40.0;
-/// Space below a box for a line back to itself, and for each line backwards.
+/// Space below a box for a line back to itself, and for each backward line.
 const LOOP: f64 = 14.0;
 const LANE: f64 = 14.0;
-/// How often boxes are moved towards their neighbours.
+/// Number of sweeps that move boxes towards their neighbours.
 const SWEEPS: usize = 10;
 
-/// A scene with places.
+/// Scene with coordinates.
 pub(super) struct Laid {
     pub(super) width: f64,
     pub(super) height: f64,
-    /// By the scene's shapes.
+    /// One per shape of the scene.
     pub(super) boxes: Vec<Placed>,
-    /// By the scene's links.
+    /// One per link of the scene.
     pub(super) lines: Vec<Drawn>,
 }
 
-/// A box with its place.
+/// Box with coordinates, relative to its scene.
 pub(super) struct Placed {
     pub(super) x: f64,
     pub(super) y: f64,
@@ -43,16 +43,16 @@ pub(super) struct Placed {
     pub(super) inner: Option<Laid>,
 }
 
-/// A line with its way.
+/// Line with coordinates.
 #[derive(Clone, Default)]
 pub(super) struct Drawn {
-    /// In the words of SVG.
+    /// SVG path data.
     pub(super) path: String,
-    /// Where its label begins.
+    /// Start of its label.
     pub(super) label: (f64, f64),
 }
 
-/// Lays out a scene and all that is in it.
+/// Computes the layout of a scene and of all nested scenes.
 pub(super) fn lay_out(drawing: &Drawing, scene: SceneId) -> Laid {
     let this = &drawing.scenes[scene];
     let boxes: Vec<Placed> = this.shapes.iter().map(|s| sized(drawing, s)).collect();
@@ -89,7 +89,7 @@ fn pin(shape: &Shape) -> Pin {
     }
 }
 
-/// A box with its size.
+/// Returns a box with its size; the position is set later.
 fn sized(drawing: &Drawing, shape: &Shape) -> Placed {
     let letters = |text: &str| text.chars().count() as f64;
     let width = (TITLE * letters(&shape.title)).max(DETAIL * letters(&shape.detail)) + 20.0;
@@ -112,7 +112,8 @@ fn sized(drawing: &Drawing, shape: &Shape) -> Placed {
 }
 
 impl Placed {
-    /// Where a line leaves or enters, from the box's corner: at a port the port's edge, else the middle of its height.
+    /// Returns the point at which a line leaves or enters, relative to the corner of the box: the edge of the port if
+    /// there is one, otherwise the middle of the side.
     fn port(&self, end: End, leaves: bool) -> (f64, f64) {
         match (&self.inner, end.port) {
             (Some(inner), Some(port)) => {
@@ -126,7 +127,7 @@ impl Placed {
     }
 }
 
-/// A column: where it begins, how wide it is.
+/// Horizontal extent of a column.
 #[derive(Clone, Copy)]
 struct Column {
     x: f64,
@@ -139,12 +140,12 @@ struct Plan<'p> {
     layers: Layers,
     boxes: Vec<Placed>,
     columns: Vec<Column>,
-    /// The upper edge of each box and free place.
+    /// Upper edge of each box and dummy vertex.
     tops: Vec<f64>,
 }
 
 impl Plan<'_> {
-    /// The height that a box or free place needs.
+    /// Returns the height of a box or dummy vertex, including the space for a loop.
     fn height(&self, item: usize) -> f64 {
         let Some(this) = self.boxes.get(item) else {
             return 4.0;
@@ -153,7 +154,7 @@ impl Plan<'_> {
         this.height + if looped { LOOP } else { 0.0 }
     }
 
-    /// Where a line meets a box or free place, from its upper edge.
+    /// Returns the vertical distance from the upper edge of an item to the point where a line meets it.
     fn offset(&self, item: usize, end: End, leaves: bool) -> f64 {
         match self.boxes.get(item) {
             Some(this) => this.port(end, leaves).1,
@@ -181,7 +182,7 @@ impl Plan<'_> {
         self.tops.iter_mut().for_each(|y| *y -= top.min(f64::MAX));
     }
 
-    /// The upper edge at which an item's lines would be straight, in the mean.
+    /// Returns the upper edge at which the lines of an item would be straight on average.
     fn wanted(&self, item: usize) -> f64 {
         let (mut sum, mut count) = (0.0, 0.0);
         for (chain, link) in self.layers.chains.iter().zip(self.links) {
@@ -202,8 +203,8 @@ impl Plan<'_> {
         }
     }
 
-    /// Moves the items of a column as near as possible to where they want to be without letting them overlap: the
-    /// nearest rising sequence, by pooling neighbours that would cross (Ayer et al. 1955).
+    /// Moves the items of a column as close as possible to the wanted positions without overlap. This is isotonic
+    /// regression by pooling adjacent violators (Ayer et al. 1955).
     fn settle(&mut self, column: &[usize], wanted: &[f64]) {
         let mut pools: Vec<(f64, usize)> = Vec::new();
         let mut before = 0.0;
@@ -320,7 +321,7 @@ impl Plan<'_> {
         }
     }
 
-    /// Out on the right, below the box, back in on the left.
+    /// Returns a line that leaves at the right, passes below the box and enters at the left.
     fn around(&self, k: usize) -> Drawn {
         let link = &self.links[k];
         let (start, end) = (self.point(link.from, true), self.point(link.to, false));
@@ -336,7 +337,7 @@ impl Plan<'_> {
         }
     }
 
-    /// Down to a lane below everything, and back.
+    /// Returns a line through a lane below all boxes.
     fn backwards(&self, k: usize, lane: f64, number: u32) -> Drawn {
         let link = &self.links[k];
         let (start, end) = (self.point(link.from, true), self.point(link.to, false));
@@ -356,7 +357,7 @@ impl Plan<'_> {
     }
 }
 
-/// A curve that begins and ends level.
+/// Appends a curve that is horizontal at both ends.
 fn bend(path: &mut String, from: (f64, f64), to: (f64, f64)) {
     let middle = (from.0 + to.0) / 2.0;
     let _ = write!(

@@ -1,21 +1,21 @@
-//! Who reads whom: lines from what defines a flow to what reads it, through the borders of fragments.
+//! Data flow lines: from the definition of a flow to its readers, through the borders of fragments.
 
 use std::collections::BTreeMap;
 
 use super::reads::{Key, Read};
 use super::scene::{Drawing, End, Link, Place, Role, SceneId, Shape, ShapeId};
 
-/// What defines flows and what reads them, while a scene is built.
+/// Definitions and reads of flows, collected while a scene is built.
 #[derive(Default)]
 pub(super) struct Traffic {
     definers: BTreeMap<Key, Vec<Place>>,
     reads: Vec<(Place, Read)>,
-    /// Ports at borders: of which scene, for what, inwards or outwards.
+    /// Ports at borders, by scene, flow and direction (true for inwards).
     ports: BTreeMap<(SceneId, Key, bool), ShapeId>,
 }
 
 impl Traffic {
-    /// Notes what defines a flow.
+    /// Records a definition of a flow.
     pub(super) fn defines(&mut self, place: Place, key: Key) {
         let all = self.definers.entry(key).or_default();
         if !all.contains(&place) {
@@ -23,13 +23,13 @@ impl Traffic {
         }
     }
 
-    /// Notes what is read where.
+    /// Records reads at a box.
     pub(super) fn reads(&mut self, place: Place, reads: impl IntoIterator<Item = Read>) {
         self.reads
             .extend(reads.into_iter().map(|read| (place, read)));
     }
 
-    /// What is read and defined nowhere, each once.
+    /// Returns the distinct keys that are read but not defined.
     pub(super) fn undefined(&self) -> Vec<Key> {
         let mut keys: Vec<Key> = Vec::new();
         for (_, read) in &self.reads {
@@ -40,7 +40,7 @@ impl Traffic {
         keys
     }
 
-    /// Draws all lines. `name` tells what stands at a port.
+    /// Draws all lines. `name` returns the text at a port.
     pub(super) fn draw(mut self, drawing: &mut Drawing, name: &dyn Fn(&Key) -> String) {
         for (reader, read) in std::mem::take(&mut self.reads) {
             for definer in self.definers.get(&read.key).cloned().unwrap_or_default() {
@@ -59,7 +59,7 @@ impl Traffic {
     ) {
         let (out, into) = (drawing.around(definer), drawing.around(reader));
         let common = out.iter().zip(&into).take_while(|(a, b)| a == b).count();
-        // A box that reads what is inside of it: a state's condition on its own flows.
+        // A box that reads its own content, such as a state whose transition reads flows of the state, gets no line.
         if common == into.len() && common < out.len() {
             return;
         }

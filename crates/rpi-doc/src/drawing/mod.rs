@@ -1,17 +1,18 @@
-//! Nets and tasks, drawn: what is written in a body as boxes, who reads whom as lines.
+//! Drawings of nets and tasks: the statements of a body as boxes, data flow as lines.
 //!
-//! A fragment is one box of the net around it, as it is one vertex there; what crosses its border goes through a port.
+//! A fragment is one box of the enclosing net, because it is one vertex there. Lines that cross its border pass through
+//! a port.
 //!
 //! | file | idea |
 //! |---|---|
-//! | `scene.rs` | what is drawn |
-//! | `reads.rs` | what an expression reads |
+//! | `scene.rs` | data model of a drawing |
+//! | `reads.rs` | flows read by an expression |
 //! | `flow.rs` | from a body to a scene |
-//! | `links.rs` | who reads whom, through borders |
+//! | `links.rs` | data flow lines through borders |
 //! | `task.rs` | from a task to a scene |
-//! | `layers.rs` | the order of boxes: layers from left to right, few crossings |
-//! | `layout.rs` | where boxes and lines are |
-//! | `svg.rs` | the picture |
+//! | `layers.rs` | order of boxes: layers from left to right, few crossings |
+//! | `layout.rs` | coordinates of boxes and lines |
+//! | `svg.rs` | SVG output |
 
 mod flow;
 mod layers;
@@ -28,26 +29,26 @@ use rpi_syntax::ast::{Item, ItemKind, NodeDef};
 use crate::declaration::Shown;
 use scene::Drawing;
 
-/// From so many boxes on a drawing is shown only when it is asked for.
+/// Number of boxes above which a drawing is collapsed initially.
 const LARGE: usize = 28;
-/// More boxes than anybody looks at.
+/// Number of boxes above which there is no drawing.
 const TOO_LARGE: usize = 400;
 
-/// A drawing that can be shown.
+/// Drawing of a declaration.
 pub(crate) struct Drawn {
     drawing: Drawing,
-    /// Whether it can be taken in at a glance.
+    /// Whether the drawing is small enough to be shown initially.
     pub(crate) is_small: bool,
 }
 
 impl Drawn {
-    /// The picture; `id` is a prefix for names in it.
+    /// Returns the drawing as SVG; `id` is a prefix for the ids in it.
     pub(crate) fn svg(&self, id: &str, title: &str) -> String {
         svg::svg(&self.drawing, id, title)
     }
 }
 
-/// What is inside a declaration, if that is worth a picture: more than one equation.
+/// Returns the drawing of a declaration with more than one equation or step; `None` for smaller or too large ones.
 pub(crate) fn of(shown: &Shown<'_>, id: DefId, item: &Item) -> Option<Drawn> {
     let drawing = match &item.kind {
         ItemKind::Node(node) => match &node.definition {

@@ -1,35 +1,35 @@
-//! What an expression reads: flows of the declaration around it, ports of devices, what happens to the command.
+//! Reads of an expression: flows of the enclosing declaration, ports of devices, and events of the command.
 
 use rpi_driver::Inspected;
 use rpi_sema::query::{DefId, DefKind, Reference};
 use rpi_syntax::ast::{Callee, Expr, ExprKind, StaticValue};
 use rpi_syntax::ops::{BinaryOp, UnaryOp};
 
-/// Predeclared flows that are worth a line: what others do to the command.
+/// Predeclared flows for which a line is drawn: those that others set while the command runs.
 const SHOWN: &[&str] = &["cancel", "takeover", "predecessor"];
 
-/// What is read.
+/// Source of a value.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(super) enum Key {
-    /// A flow.
+    /// Flow.
     Flow(DefId),
-    /// A port of a device.
+    /// Port of a device.
     Port(DefId, DefId),
-    /// A predeclared flow.
+    /// Predeclared flow.
     Predeclared(String),
 }
 
-/// One reading.
+/// Read of a value.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(super) struct Read {
     pub(super) key: Key,
-    /// One cycle late.
+    /// Whether the value of the previous cycle is read.
     pub(super) delayed: bool,
-    /// What is read may be absent.
+    /// Whether the value may be absent.
     pub(super) optional: bool,
 }
 
-/// What expressions read, in the order of the text.
+/// Returns the reads of expressions in source order.
 pub(super) fn reads<'e>(seen: &Inspected, exprs: impl IntoIterator<Item = &'e Expr>) -> Vec<Read> {
     let mut found = Vec::new();
     for expr in exprs {
@@ -69,7 +69,7 @@ fn look(seen: &Inspected, expr: &Expr, delayed: bool, found: &mut Vec<Read>) {
     }
 }
 
-/// Static arguments may be parameters of the command.
+/// Static arguments may contain parameters of the command.
 fn statics(seen: &Inspected, callee: &Callee, found: &mut Vec<Read>) {
     for argument in &callee.statics {
         match &argument.value {
@@ -80,7 +80,7 @@ fn statics(seen: &Inspected, callee: &Callee, found: &mut Vec<Read>) {
     }
 }
 
-/// `x`, `F.way.done`
+/// Returns whether an expression is a path such as `x` or `F.way.done`.
 fn is_path(expr: &Expr) -> bool {
     match &expr.kind {
         ExprKind::Name(_) => true,
@@ -107,7 +107,7 @@ fn predeclared(path: &Expr) -> Option<Key> {
         .then(|| Key::Predeclared(name.to_string()))
 }
 
-/// What a path means: the innermost flow in it, or the device's port.
+/// Returns the source denoted by a path: the innermost flow in it, or the port of a device.
 pub(super) fn key(seen: &Inspected, names: &[Reference]) -> Option<Key> {
     use DefKind::{Given, Input, Local, Output, Param, Port};
     let kind = |name: &Reference| seen.index().def(name.def).kind;
@@ -117,7 +117,7 @@ pub(super) fn key(seen: &Inspected, names: &[Reference]) -> Option<Key> {
     {
         return Some(Key::Port(device.def, port.def));
     }
-    // Behind a call's own name stand its out-ports, which belong to what is called.
+    // The name of a call is followed by its out-ports, which belong to the called unit.
     let first = names.first()?;
     let top = seen
         .index()
@@ -131,7 +131,7 @@ pub(super) fn key(seen: &Inspected, names: &[Reference]) -> Option<Key> {
     flows.last().map(|name| Key::Flow(name.def))
 }
 
-/// The declaration around a definition.
+/// Returns the top-level declaration that contains a definition.
 pub(super) fn top(seen: &Inspected, id: DefId) -> DefId {
     let parent = |id: &DefId| {
         let parent = seen.index().def(*id).parent?;

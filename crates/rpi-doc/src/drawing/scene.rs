@@ -1,55 +1,55 @@
-//! What is drawn: boxes, some with scenes inside, and lines between them.
+//! Data model of a drawing: boxes, which may contain scenes, and lines between them.
 
-/// A scene within a drawing.
+/// Index of a scene in a drawing.
 pub(super) type SceneId = usize;
-/// A box within its scene.
+/// Index of a box in its scene.
 pub(super) type ShapeId = usize;
 
-/// A box in its scene.
+/// Box, identified by its scene and its index there.
 pub(super) type Place = (SceneId, ShapeId);
 
-/// All scenes of a picture; the first is the outermost.
+/// All scenes of a drawing; the first is the outermost.
 #[derive(Default)]
 pub(super) struct Drawing {
     pub(super) scenes: Vec<Scene>,
 }
 
-/// Boxes beside each other, and lines between them.
+/// Boxes on one level, and the lines between them.
 #[derive(Default)]
 pub(super) struct Scene {
-    /// The box that it is inside of.
+    /// Box that contains the scene.
     pub(super) parent: Option<Place>,
     pub(super) shapes: Vec<Shape>,
     pub(super) links: Vec<Link>,
 }
 
-/// What a box stands for.
+/// Kind of a box.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Role {
-    /// A flow that comes from outside.
+    /// Flow that enters.
     Input,
-    /// A flow that is read outside.
+    /// Flow that is read outside.
     Output,
-    /// An equation.
+    /// Equation.
     Equation,
-    /// An equation that defines an out-port or actuator.
+    /// Equation that defines an out-port or actuator.
     Defined,
-    /// A result of a command, an export.
+    /// Result or export of a command.
     Result,
-    /// A fragment in place.
+    /// Fragment.
     Fragment,
-    /// An automaton.
+    /// Automaton.
     Automaton,
-    /// A state of an automaton.
+    /// State of an automaton.
     State,
-    /// A step of a task.
+    /// Step of a task.
     Step,
-    /// Where a task or an automaton begins or ends.
+    /// Start or end of a task.
     Dot,
 }
 
 impl Role {
-    /// The role in the words of a style sheet.
+    /// Returns the CSS class of the role.
     pub(super) fn class(self) -> &'static str {
         match self {
             Role::Input => "input",
@@ -66,23 +66,23 @@ impl Role {
     }
 }
 
-/// A box.
+/// Box.
 pub(super) struct Shape {
     pub(super) role: Role,
-    /// First line, set off.
+    /// First line of text, emphasised.
     pub(super) title: String,
-    /// Second line.
+    /// Second line of text.
     pub(super) detail: String,
-    /// All of it, for a reader who asks.
+    /// Full text, shown as a tooltip.
     pub(super) tooltip: String,
-    /// Where more is told about it.
+    /// Link to further documentation.
     pub(super) href: Option<String>,
-    /// What is inside.
+    /// Nested scene.
     pub(super) inner: Option<SceneId>,
 }
 
 impl Shape {
-    /// A box with one line.
+    /// Creates a box with one line of text.
     pub(super) fn new(role: Role, title: impl Into<String>) -> Shape {
         Shape {
             role,
@@ -95,23 +95,23 @@ impl Shape {
     }
 }
 
-/// Where a line ends: at a box, and for one with a scene inside at a port of it, which is a box of that scene.
+/// End of a line: a box, and if the box has a nested scene, a port, which is a box of that scene.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(super) struct End {
     pub(super) shape: ShapeId,
     pub(super) port: Option<ShapeId>,
 }
 
-/// A line.
+/// Line between boxes.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(super) struct Link {
     pub(super) from: End,
     pub(super) to: End,
-    /// Read one cycle late.
+    /// Whether the value of the previous cycle is read.
     pub(super) delayed: bool,
-    /// What is read may be absent.
+    /// Whether the value may be absent.
     pub(super) optional: bool,
-    /// What stands at the line.
+    /// Text at the line.
     pub(super) label: String,
 }
 
@@ -129,13 +129,13 @@ impl Drawing {
         id
     }
 
-    /// Adds a box.
+    /// Adds a box and returns its identifier.
     pub(super) fn shape(&mut self, scene: SceneId, shape: Shape) -> Place {
         self.scenes[scene].shapes.push(shape);
         (scene, self.scenes[scene].shapes.len() - 1)
     }
 
-    /// Adds a line, once.
+    /// Adds a line unless an equal one exists.
     pub(super) fn link(&mut self, scene: SceneId, link: Link) {
         let links = &mut self.scenes[scene].links;
         if !links.contains(&link) {
@@ -143,19 +143,19 @@ impl Drawing {
         }
     }
 
-    /// How many boxes there are.
+    /// Returns the number of boxes.
     pub(super) fn boxes(&self) -> usize {
         self.scenes.iter().map(|scene| scene.shapes.len()).sum()
     }
 
-    /// How many boxes are more than a way in or out.
+    /// Returns the number of boxes that are not inputs, outputs or dots.
     pub(super) fn steps(&self) -> usize {
         let all = self.scenes.iter().flat_map(|scene| &scene.shapes);
         all.filter(|shape| !matches!(shape.role, Role::Input | Role::Output | Role::Dot))
             .count()
     }
 
-    /// The boxes around a box, outermost first, and the box itself.
+    /// Returns the enclosing boxes of a box, outermost first, followed by the box itself.
     pub(super) fn around(&self, place: Place) -> Vec<Place> {
         let mut all: Vec<Place> =
             std::iter::successors(Some(place), |(scene, _)| self.scenes[*scene].parent).collect();

@@ -1,4 +1,4 @@
-//! The picture: SVG whose colours come from the page's style sheet.
+//! SVG output. The colours come from the style sheet of the page.
 
 use std::fmt::Write as _;
 
@@ -6,10 +6,10 @@ use super::layout::{Laid, Placed, lay_out};
 use super::scene::{Drawing, Link, Role, SceneId, Shape};
 use crate::html::escaped;
 
-/// Space around everything.
+/// Margin around the drawing.
 const MARGIN: f64 = 14.0;
 
-/// A drawing as an element of a page. `id` is a prefix for names in it, and `title` what it shows.
+/// Returns a drawing as an HTML element. `id` is a prefix for the ids in it, and `title` its accessible title.
 pub(super) fn svg(drawing: &Drawing, id: &str, title: &str) -> String {
     let laid = lay_out(drawing, 0);
     let (width, height) = (laid.width + 2.0 * MARGIN, laid.height + 2.0 * MARGIN);
@@ -31,7 +31,7 @@ pub(super) fn svg(drawing: &Drawing, id: &str, title: &str) -> String {
     out
 }
 
-/// What the kinds of lines mean, of those that are there.
+/// Returns the legend of the line styles that occur in the drawing.
 fn legend(drawing: &Drawing) -> String {
     let links = || drawing.scenes.iter().flat_map(|scene| &scene.links);
     let lines = || links().filter(|link| link.label.is_empty());
@@ -85,7 +85,7 @@ impl Picture<'_> {
         self.out.push_str("</g>\n");
     }
 
-    /// A line that only goes on through a port has no head there.
+    /// Returns the arrow head of a line. A line that continues through a port has none.
     fn arrow(&self, scene: SceneId, link: &Link) -> String {
         let shape = &self.drawing.scenes[scene].shapes[link.to.shape];
         match shape.role == Role::Output || link.to.port.is_some() {

@@ -1,4 +1,4 @@
-//! From a task to a scene: its steps as boxes, what follows which result as lines.
+//! Conversion of a task to a scene: steps become boxes, and the successor of each result a line.
 
 use rpi_sema::query::DefId;
 use rpi_syntax::ast::{Branch, Next, OnResult, Run, Step, StepKind, TaskDecl};
@@ -8,7 +8,7 @@ use super::scene::{Drawing, End, Link, Role, SceneId, Shape, ShapeId};
 use crate::declaration::Shown;
 use crate::parts::one_line;
 
-/// The steps of a task.
+/// Returns the drawing of the steps of a task.
 pub(super) fn drawing(shown: &Shown<'_>, _id: DefId, task: &TaskDecl) -> Drawing {
     let mut drawing = Drawing::default();
     let root = drawing.scene(None);
@@ -16,7 +16,7 @@ pub(super) fn drawing(shown: &Shown<'_>, _id: DefId, task: &TaskDecl) -> Drawing
     drawing
 }
 
-/// What of a list of steps lines are drawn between.
+/// Step with its box, between which lines are drawn.
 struct Placed<'s> {
     run: Option<&'s Run>,
     shape: ShapeId,
@@ -87,7 +87,7 @@ fn placed<'s>(
             let place = drawing.shape(scene, Shape::new(Role::Fragment, "parallel"));
             let inside = drawing.scene(Some(place));
             for (k, strand) in strands.iter().enumerate() {
-                let title = format!("strand {}", k + 1);
+                let title = format!("branch {}", k + 1);
                 let own = drawing.shape(inside, Shape::new(Role::Fragment, title));
                 let inner = drawing.scene(Some(own));
                 steps(shown, drawing, inner, &strand.steps);

@@ -1,4 +1,4 @@
-//! Constants that stand where they are used.
+//! Constants that are written in place, where they are used.
 
 use std::collections::BTreeSet;
 
@@ -6,11 +6,11 @@ use rpi_net::{Activation, FragmentId, Net, NodeId};
 
 use super::links;
 
-/// Primitives that are nothing but a short constant.
+/// Primitives that only produce a short constant.
 const PLAIN: &[&str] = &["Core::BooleanValue", "Core::IntValue", "Core::DoubleValue"];
 
-/// The nodes that are nothing but a constant, and there in all cycles in which they are read. One in a fragment that may
-/// be inactive is absent then to those outside: it keeps its name.
+/// Returns the constant nodes that are present in every cycle in which they are read. A constant in a conditional
+/// fragment is absent for outside readers while the fragment is inactive, so it keeps its name.
 pub(super) fn used_in_place(net: &Net) -> BTreeSet<NodeId> {
     let is_plain = |id: &NodeId| PLAIN.contains(&net.node(*id).desc().name);
     let mut found: BTreeSet<NodeId> = net.node_ids().filter(is_plain).collect();
@@ -23,7 +23,7 @@ pub(super) fn used_in_place(net: &Net) -> BTreeSet<NodeId> {
     found
 }
 
-/// Whether a fragment may be inactive while one that reads it is active.
+/// Returns whether `from` may be inactive while `reader` is active.
 fn is_gated(net: &Net, from: FragmentId, reader: FragmentId) -> bool {
     let left = net.enclosing(from);
     let mut left = left.take_while(|f| net.enclosing(reader).all(|around| around != *f));

@@ -1,14 +1,14 @@
-//! How a net ends, as results of a command.
+//! Conversion of the end of a net to results of a command.
 
 use rpi_net::{Driver, FragmentId, Input, ResultKind};
 
 use super::{Writer, values};
 
-/// A net without an end of its own is stopped from outside, by what its host concludes from its values.
+/// Condition for a net without an own end. Such a net is stopped by its host, which observes its values.
 const STOP: &str = "Core::BooleanNetcommIn<<Key: \"stop\", Value: false>>().outValue";
 
 impl Writer<'_> {
-    /// The last lines of the command: what it publishes and how it ends.
+    /// Returns the last lines of the command: exports and results.
     pub(super) fn ends(&self) -> String {
         let mut text = String::from("\n");
         for export in &self.net.exports {
@@ -30,7 +30,8 @@ impl Writer<'_> {
         text
     }
 
-    /// The net ends when `outTerminate` holds: with an error if `outFail`, which stays visible, is not 0 by then.
+    /// Returns the lines for a net with ports: it ends when `outTerminate` is true, with an error if `outFail` is then
+    /// not 0. `outFail` is exported to stay observable.
     fn ports(&self, terminate: Option<&Input>, fail: Option<&Input>) -> String {
         let mut text = String::new();
         let is_false = |input: &&Input| {
@@ -51,7 +52,7 @@ impl Writer<'_> {
         text
     }
 
-    /// A flow of the root that counts as `absent` where it is.
+    /// Returns an expression for a flow in the root fragment, with the value `absent` where the flow is absent.
     fn root(&self, input: &Input, absent: &str) -> String {
         match input {
             Input::Open => absent.to_owned(),

@@ -1,8 +1,8 @@
-//! Everything in a net that reads a flow, in one place.
+//! Iteration over all links of a net.
 
 use rpi_net::{Activation, Driver, FragmentId, Input, Net, PortRef, Restart};
 
-/// Calls `f` with each link of a net and the fragment in which its reader stands.
+/// Calls `f` with each link of a net and the fragment of its reader.
 pub(super) fn each(net: &mut Net, f: &mut impl FnMut(&mut PortRef, FragmentId)) {
     for node in &mut net.nodes {
         let at = node.fragment;

@@ -1,9 +1,9 @@
-//! Several writers of one port as one, which takes the first of their values that is there (M9).
+//! Merging of several writers of one port into one that takes the first present value (M9).
 //!
-//! In source an actuator is defined once, and what may be meant for it is merged with `??`. Nets of the reference system
-//! hold a writer in each fragment that may move an arm; where these are not proved to exclude each other they become
-//! one. What a writer answers is there for its readers in the cycles in which its value is there, as before. Where the
-//! answer is needed within the cycle for what is to be written, nothing can be merged.
+//! In a program an actuator is defined once, and alternatives are merged with `??`. A net of the reference system has
+//! one writer in each fragment that may move an arm; writers that are not proved mutually exclusive are merged. The
+//! response to a writer stays present for its readers exactly in the cycles in which its value is present. Writers
+//! cannot be merged if the response is needed within the cycle to compute the values.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -17,16 +17,16 @@ use rpi_prims::{PrimId, registry};
 
 use super::links;
 
-/// A net in which writers are merged.
+/// Net with merged writers.
 pub(super) struct Merged {
     pub(super) net: Net,
-    /// For each node which one it was before.
+    /// For each node the corresponding node of the original net; `None` for a new node.
     pub(super) old: Vec<Option<NodeId>>,
-    /// Nodes that only choose between values for a writer.
+    /// Nodes that only select the value for a merged writer.
     pub(super) choices: BTreeSet<NodeId>,
 }
 
-/// Writers of one port that may meet.
+/// Writers of one port that may be active in the same cycle.
 struct Group {
     resource: Resource,
     writers: Vec<NodeId>,
@@ -34,7 +34,8 @@ struct Group {
     values: Vec<PortRef>,
 }
 
-/// The net with its writers merged where that is needed and can be.
+/// Returns the net with its writers merged where this is necessary and possible. If merging all groups causes a
+/// dependency cycle, only the groups that can be merged alone are merged.
 pub(super) fn merged(net: &Net) -> Merged {
     let Ok(analysis) = analyse(net.clone(), |_| false) else {
         return unchanged(net);
@@ -79,7 +80,7 @@ fn groups(analysis: &Analysis) -> Vec<Group> {
         .collect()
 }
 
-/// The writers as a group if they differ in nothing but the flow that they write.
+/// Returns the writers as a group, or `None` if they differ in more than the written flow.
 fn group(net: &Net, resource: &Resource, writers: &[NodeId]) -> Option<Group> {
     let first = net.node(*writers.first()?);
     let [port] = first.desc().inputs else {
@@ -132,7 +133,7 @@ fn merge(net: &Net, tree: &Tree, groups: &[Group]) -> Merged {
 struct Merger {
     net: Net,
     choices: BTreeSet<NodeId>,
-    /// What the answers of writers have become.
+    /// New source for each response port of a replaced writer.
     answers: BTreeMap<PortRef, PortRef>,
 }
 
@@ -159,7 +160,7 @@ impl Merger {
         Some(())
     }
 
-    /// The first of the values that is there.
+    /// Adds nodes that select the first present value and returns their output.
     fn first_of(&mut self, group: &Group, at: FragmentId) -> Option<PortRef> {
         let coalesce = member("Coalesce", group.scalar)?;
         let mut values = group.values.iter().rev();
@@ -172,7 +173,8 @@ impl Merger {
         Some(chosen)
     }
 
-    /// What one of the writers answered: what the common one does, in the cycles in which there is a value of its own.
+    /// Replaces the responses to one writer: those of the merged writer, present in the cycles in which the value of
+    /// the original writer is present.
     fn answers(
         &mut self,
         writer: NodeId,
@@ -241,7 +243,7 @@ impl Merger {
     }
 }
 
-/// The primitive of this operation for values of a type.
+/// Returns the primitive of an operation for values of a type.
 fn member(operation: &str, scalar: Scalar) -> Option<PrimId> {
     let takes = |port: &rpi_image::InPort| port.ty == PortType::One(scalar);
     let mut prims = registry().iter();
@@ -251,7 +253,7 @@ fn member(operation: &str, scalar: Scalar) -> Option<PrimId> {
     PrimId::of(prim.desc.name)
 }
 
-/// The net without some nodes, which nothing reads.
+/// Removes nodes that nothing reads.
 fn without(mut net: Net, dead: &BTreeSet<NodeId>, choices: BTreeSet<NodeId>) -> Merged {
     let kept: Vec<NodeId> = net.node_ids().filter(|id| !dead.contains(id)).collect();
     let mut now = vec![NodeId(u32::MAX); net.nodes.len()];

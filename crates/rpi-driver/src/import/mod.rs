@@ -1,8 +1,8 @@
-//! Nets as programs: what was recorded as `.rpinet` becomes text that can be read, changed and compiled again.
+//! Conversion of nets to programs: a `.rpinet` file becomes a readable program that can be edited and compiled.
 //!
-//! Every primitive becomes one equation and keeps its name where that is one in the language. Plain constants stand
-//! where they are used, and operators are written as such where the compiler makes the same primitive of them; so the
-//! compiled program is the net again, node by node. This module must not know how a program is checked.
+//! Every primitive becomes one equation and keeps its name if that is a valid name. Short constants are written in
+//! place. A primitive is written as an operator if the compiler translates the operator to the same primitive, so the
+//! compiled program is the original net, node by node. This module must not depend on the checker.
 
 mod constants;
 mod ends;
@@ -24,22 +24,22 @@ use rpi_syntax::Mode;
 use merge::Merged;
 use names::Names;
 
-/// A net as a program.
+/// Program made from a net.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Imported {
-    /// The program, one command.
+    /// Text of the program, one command.
     pub text: String,
-    /// For each node that the program names, its path in the net and its path in the compiled program.
+    /// For each named node its path in the net and its path in the compiled program.
     pub names: Vec<(String, String)>,
 }
 
-/// Writes a net as a program of one command.
+/// Converts a net to a program of one command.
 #[must_use]
 pub fn to_program(net: &Net) -> String {
     import(net).text
 }
 
-/// Writes a net as a program of one command, and tells what became of the names.
+/// Converts a net to a program of one command, and returns the mapping of names.
 #[must_use]
 pub fn import(net: &Net) -> Imported {
     let merged = merge::merged(net);
@@ -51,23 +51,24 @@ pub fn import(net: &Net) -> Imported {
     }
 }
 
-/// Writes the parts of one net.
+/// Writer of the program for one net.
 struct Writer<'n> {
     net: &'n Net,
     tree: Tree,
     names: Names,
-    /// Which flows can be absent in the program, if the passes can tell.
+    /// Presence of flows, if the passes succeeded.
     presences: Option<Presences>,
-    /// Nodes that are nothing but a constant and stand where they are used.
+    /// Constant nodes that are written in place.
     constants: BTreeSet<NodeId>,
-    /// Nodes that choose between values and stand where they are used.
+    /// Selecting nodes that are written in place.
     choices: &'n BTreeSet<NodeId>,
 }
 
 impl<'n> Writer<'n> {
     fn new(merged: &'n Merged) -> Self {
         let net = &merged.net;
-        // A delay's flow is declared as one that may be absent, and so is all that reads it, though the net may know better.
+        // The flow of a delay is declared optional, so everything that reads it is optional as well, even if the net
+        // proves presence.
         let may_be_absent = |port: PortRef| nodes::is_delay(net.node(port.node));
         Writer {
             tree: Tree::new(net),
@@ -95,7 +96,7 @@ impl<'n> Writer<'n> {
         format!("{head}command {} ()\n{body}{ends}tel\n", self.names.command)
     }
 
-    /// Declarations, `let` and the equations of a fragment.
+    /// Returns the declarations, `let` and the equations of a fragment.
     fn body(&self, fragment: FragmentId) -> String {
         let mut declared = String::new();
         let mut equations = String::new();
@@ -136,7 +137,7 @@ impl<'n> Writer<'n> {
         format!("\nfragment {name} {when}\n{body}tel\n")
     }
 
-    /// A flow as seen from a fragment, or what it counts as where it can be absent.
+    /// Returns a flow as seen from a fragment, with `?? absent` if it may be absent.
     fn total(&self, port: PortRef, at: FragmentId, absent: &str) -> String {
         let flow = self.flow(port, at);
         let is_total = self.presences.as_ref().is_some_and(|presences| {
@@ -149,12 +150,12 @@ impl<'n> Writer<'n> {
         }
     }
 
-    /// Whether a node has no equation because it stands where it is used.
+    /// Returns whether a node has no equation because it is written in place.
     fn is_inlined(&self, id: NodeId) -> bool {
         self.constants.contains(&id) || self.choices.contains(&id)
     }
 
-    /// What became of the names of the nodes of the original net.
+    /// Returns the old and new paths of the named nodes of the original net.
     fn renamed(&self, original: &Net, old: &[Option<NodeId>]) -> Vec<(String, String)> {
         let named = self.net.node_ids().filter(|id| !self.is_inlined(*id));
         let both = named.filter_map(|id| Some((old[id.index()]?, id)));
@@ -171,7 +172,7 @@ impl<'n> Writer<'n> {
         parts.join("/")
     }
 
-    /// The names of a fragment and those around it, outermost first.
+    /// Returns the names of a fragment and its enclosing fragments, outermost first.
     fn fragment_path(&self, id: FragmentId) -> Vec<&str> {
         let mut parts: Vec<&str> = self
             .net
@@ -184,8 +185,8 @@ impl<'n> Writer<'n> {
     }
 }
 
-/// Nodes that have no effect and that nothing reads, and of those that only read one another one of each ring: a program says
-/// of them that they are meant so.
+/// Returns the nodes without effect that nothing reads, and one node of each dependency cycle that only feeds itself.
+/// Their names get a leading `_`, so that the compiler does not warn about them.
 fn unused(net: &Net) -> BTreeSet<NodeId> {
     let live = live(net);
     let inputs = net.nodes.iter().flat_map(|node| &node.inputs);
@@ -203,7 +204,7 @@ fn unused(net: &Net) -> BTreeSet<NodeId> {
     unused
 }
 
-/// Marks a node and all that it reads, directly or not.
+/// Marks a node and all nodes that it reads, directly or indirectly.
 fn mark_sources(net: &Net, id: NodeId, marked: &mut [bool]) {
     let mut open = vec![id];
     while let Some(id) = open.pop() {

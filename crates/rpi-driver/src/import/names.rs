@@ -1,12 +1,11 @@
-//! Names in the program: as in the net where that is possible, each only once in the whole program, so that none hides
-//! another.
+//! Names in the program: those of the net where possible, unique in the whole program, so that none shadows another.
 
 use std::collections::BTreeSet;
 
 use rpi_net::{FragmentId, Net, NodeId};
 use rpi_syntax::{KEYWORDS, Mode, is_name};
 
-/// Names that mean something without being declared, or that this importer declares.
+/// Predeclared names, and names that this importer declares.
 const TAKEN: &[&str] = &[
     "cancel",
     "dt",
@@ -20,7 +19,7 @@ const TAKEN: &[&str] = &[
     "_",
 ];
 
-/// The names of everything in a program.
+/// Names of all items of a program.
 pub(super) struct Names {
     pub(super) command: String,
     fragments: Vec<String>,
@@ -28,7 +27,7 @@ pub(super) struct Names {
 }
 
 impl Names {
-    /// Names for everything in a net. Those of `unused` nodes say so.
+    /// Assigns names to all items of a net. Names of `unused` nodes get a leading `_`.
     pub(super) fn new(net: &Net, unused: &BTreeSet<NodeId>) -> Self {
         let mut taken: BTreeSet<String> = TAKEN.iter().map(|name| (*name).to_owned()).collect();
         taken.extend(KEYWORDS.iter().map(|word| word.text.to_owned()));
@@ -61,7 +60,8 @@ impl Names {
     }
 }
 
-/// The name itself, else with what a name cannot have replaced, `prefix` before a number, and a number behind it.
+/// Returns the name itself, or a unique valid name derived from it: invalid characters are replaced, `prefix` is put
+/// before a digit, and a number is appended.
 fn unique(name: &str, prefix: &str, taken: &mut BTreeSet<String>) -> String {
     let plain = identifier(name, prefix);
     let numbered = (2..).map(|n| format!("{plain}_{n}"));

@@ -1,4 +1,4 @@
-//! Primitives as equations.
+//! Conversion of primitives to equations.
 
 use rpi_image::{Need, PortDefault, PortType, PrimDesc, Role, Scalar, Type, Value};
 use rpi_net::{FragmentId, Input, Node, NodeId, PortRef};
@@ -6,7 +6,8 @@ use rpi_net::{FragmentId, Input, Node, NodeId, PortRef};
 use super::{Writer, operators, values};
 
 impl Writer<'_> {
-    /// The type of a delay's flow: nothing else tells it where the delay is part of a circle.
+    /// Returns the type declaration of a delay. It is required if the delay is part of a dependency cycle, because the
+    /// type cannot be inferred there.
     pub(super) fn declaration(&self, id: NodeId) -> Option<String> {
         let node = self.net.node(id);
         let [ty] = node.outputs[..] else { return None };
@@ -16,7 +17,7 @@ impl Writer<'_> {
     pub(super) fn equation(&self, id: NodeId) -> String {
         let node = self.net.node(id);
         let (name, value) = (self.names.node(id), self.value(node));
-        // What the net calls it, where that is no name here.
+        // The original name is kept as a comment if it is not valid here.
         let own = match node.name == name.trim_start_matches('_') {
             true => String::new(),
             false => format!(" -- {}", node.name),
@@ -24,14 +25,15 @@ impl Writer<'_> {
         format!("{name} = {value};{own}\n")
     }
 
-    /// What a node computes, as an expression in its fragment.
+    /// Returns the expression of a node, as seen in its fragment.
     fn value(&self, node: &Node) -> String {
         let operator = self.operands(node);
         let operator = operator.and_then(|given| operators::written(node.desc().name, &given));
         operator.unwrap_or_else(|| self.call(node))
     }
 
-    /// What all in-ports read, if they can be operands. A choice that is no choice is left as it is.
+    /// Returns the sources of all in-ports if they can be operands. A selection with a constant condition or constant
+    /// branches is not written as an operator, because the compiler would fold it.
     fn operands(&self, node: &Node) -> Option<Vec<String>> {
         let is_flow = |input: &Input| self.constant(input).is_none();
         if let [condition, branches @ ..] = &node.inputs[..]
@@ -47,7 +49,7 @@ impl Writer<'_> {
         })
     }
 
-    /// The constant that an in-port reads, directly or from a node that is nothing else.
+    /// Returns the constant that an in-port reads, directly or from a constant node.
     pub(super) fn constant<'v>(&'v self, input: &'v Input) -> Option<&'v Value> {
         match input {
             Input::Open => None,
@@ -84,7 +86,7 @@ impl Writer<'_> {
         given.collect::<Vec<String>>().join(", ")
     }
 
-    /// What an in-port reads, as an expression in a fragment.
+    /// Returns the source of an in-port as an expression in a fragment.
     pub(super) fn source(&self, input: &Input, at: FragmentId) -> Option<String> {
         match (self.constant(input), input) {
             (Some(value), _) => Some(values::value(value)),
@@ -93,7 +95,7 @@ impl Writer<'_> {
         }
     }
 
-    /// A port by its name as seen from a fragment.
+    /// Returns the name of a port as seen from a fragment.
     pub(super) fn flow(&self, port: PortRef, at: FragmentId) -> String {
         if let Some(value) = self.constant(&Input::Port(port)) {
             return values::value(value);
@@ -117,7 +119,7 @@ impl Writer<'_> {
     }
 }
 
-/// Whether a node answers what it was given before.
+/// Returns whether a node delays its input by a cycle.
 pub(super) fn is_delay(node: &Node) -> bool {
     matches!(node.desc().role, Role::Delay)
 }
@@ -127,7 +129,7 @@ fn is_default(default: PortDefault, value: &Value) -> bool {
     default.value(ty).as_ref() == Some(value)
 }
 
-/// Whether a constant is what stands in for the in-port anyhow.
+/// Returns whether a constant equals the default of the in-port, so that it can be omitted.
 fn stands_in(need: Need, ty: PortType, input: &Input) -> bool {
     let Input::Const(value) = input else {
         return false;

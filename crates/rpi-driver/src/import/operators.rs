@@ -1,6 +1,6 @@
-//! Which primitives are written as operators: those that the compiler makes of the operator, operand by operand.
+//! Primitives that are written as operators: those to which the compiler translates the operator, operand by operand.
 
-/// Infix operators, by primitive: in-ports left and right.
+/// Infix operators by primitive; the in-ports are the left and right operand.
 const INFIX: &[(&str, &str)] = &[
     ("Core::BooleanAnd", "and"),
     ("Core::BooleanOr", "or"),
@@ -13,13 +13,13 @@ const INFIX: &[(&str, &str)] = &[
     ("Core::DoubleGreater", ">"),
 ];
 
-/// Prefix operators, by primitive.
+/// Prefix operators by primitive.
 const PREFIX: &[(&str, &str)] = &[("Core::BooleanNot", "not")];
 
-/// Calls of predeclared operators, by primitive.
+/// Predeclared functions by primitive.
 const CALLS: &[(&str, &str)] = &[("Core::DoubleSquareRoot", "sqrt")];
 
-/// Tests for absence of single values; what they are of arrays is another primitive.
+/// Tests for the absence of scalar values. The tests for arrays are different primitives.
 const ABSENT: &[&str] = &[
     "Core::BooleanIsNull",
     "Core::IntIsNull",
@@ -30,7 +30,7 @@ const ABSENT: &[&str] = &[
     "World::TwistIsNull",
 ];
 
-/// Choices, by primitive: in-ports condition, yes, no.
+/// Selections by primitive; the in-ports are the condition and the two branches.
 const CHOICE: &[&str] = &[
     "Core::BooleanConditional",
     "Core::IntConditional",
@@ -41,7 +41,7 @@ const CHOICE: &[&str] = &[
     "World::TwistConditional",
 ];
 
-/// The primitive with these operands as an operator, if it is one.
+/// Returns the expression for a primitive with these operands, if it can be written as an operator.
 pub(super) fn written(prim: &str, operands: &[String]) -> Option<String> {
     let of =
         |table: &[(&str, &'static str)]| table.iter().find(|row| row.0 == prim).map(|row| row.1);
@@ -58,7 +58,7 @@ pub(super) fn written(prim: &str, operands: &[String]) -> Option<String> {
     }
 }
 
-/// A minus binds less than some operators do.
+/// Puts a negative number in parentheses, because some operators bind more tightly than the sign.
 fn operand(text: &str) -> String {
     match text.starts_with('-') {
         true => format!("({text})"),

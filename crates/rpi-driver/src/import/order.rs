@@ -1,5 +1,5 @@
-//! The order of equations: what is read stands before what reads it, else as declared. To the compiler it is all the
-//! same, but not to readers; and an array that is known when it is read is not taken apart.
+//! Order of the equations: sources before readers, otherwise as declared. The order does not matter to the compiler,
+//! but to readers of the program. An array that is known when it is read is not split into elements.
 
 use rpi_image::Role;
 use rpi_net::{FragmentId, Input, Net, NodeId};
@@ -11,13 +11,14 @@ enum Visit {
     Done,
 }
 
-/// The nodes that stand directly in a fragment, each behind those in it that it reads; what delays reads nothing yet.
+/// Returns the nodes directly in a fragment, each after the nodes that it reads. Delays do not count as readers.
 pub(super) fn sources_first(net: &Net, fragment: FragmentId) -> Vec<NodeId> {
     let mut visits = vec![Visit::Open; net.nodes.len()];
     let mut order = Vec::new();
     let is_here = |id: &NodeId| net.node(*id).fragment == fragment;
     for first in net.node_ids().filter(is_here) {
         let mut stack = vec![first];
+        // Depth-first search with an explicit stack: a long chain of equations must not overflow the call stack.
         while let Some(&top) = stack.last() {
             let visit = &mut visits[top.index()];
             if *visit == Visit::Open {

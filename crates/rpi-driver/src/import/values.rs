@@ -1,9 +1,9 @@
-//! Constants as expressions that give the same value (rotations: to rounding).
+//! Constants as expressions of the same value (for rotations: up to rounding).
 
 use rpi_image::{Scalar, Type, Value};
 use rpi_net::literal;
 
-/// The expression of a constant.
+/// Returns the expression of a constant.
 pub(super) fn value(value: &Value) -> String {
     match value {
         Value::Str(text) => quoted(text),
@@ -44,7 +44,7 @@ fn one(scalar: Scalar, cells: &[u64]) -> String {
     }
 }
 
-/// A linear and an angular vector.
+/// Returns the call that makes a value of a linear and an angular vector.
 fn parts(make: &str, linear: &[u64], angular: &[u64]) -> String {
     let [linear, angular] = [linear, angular].map(|cells| one(Scalar::Vector, cells));
     format!("{make}({linear}, {angular})")
@@ -68,7 +68,8 @@ fn reals(cells: &[u64]) -> [String; 3] {
     std::array::from_fn(|k| real(f64::from_bits(cells.get(k).copied().unwrap_or(0))))
 }
 
-/// The shortest text of the same double. The language has no words for what is not finite, but IEEE 754 divisions by 0.
+/// Returns the shortest text that denotes the same double. The language has no literals for NaN and infinities, so they
+/// are written as IEEE 754 divisions by 0.
 fn real(value: f64) -> String {
     if value.is_nan() {
         return "(0.0 / 0.0)".to_owned();
@@ -83,7 +84,7 @@ fn real(value: f64) -> String {
     }
 }
 
-/// Nanoseconds since the Unix epoch: the time so many seconds after it.
+/// Returns the expression of a time given in ns since the Unix epoch.
 fn time(ns: i64) -> String {
     let seconds = ns as f64 / 1e9;
     format!("Core::TimeAdd(inDelta: {})", real(seconds))

@@ -1,4 +1,4 @@
-//! Commands for the arguments that a task gives them.
+//! Instances of commands for the arguments given by tasks.
 
 use rpi_diag::Span;
 use rpi_sema::elab::{self, Argument};
@@ -10,20 +10,20 @@ use std::collections::BTreeMap;
 
 use crate::source::Front;
 
-/// A command with arguments of its own.
+/// Command with its arguments.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) struct Instance {
-    /// The name of its net: `MoveTo(arm, home)`.
+    /// Name of the net: `MoveTo(arm, home)`.
     pub(crate) name: String,
-    /// The command.
+    /// Unit of the command.
     pub(crate) unit: UnitId,
-    /// What each of its parameters is.
+    /// Value of each parameter.
     pub(crate) args: Vec<Argument>,
-    /// Where a task asks for it first.
+    /// Location of the first call in a task.
     pub(crate) span: Span,
 }
 
-/// What a parameter is, and how it is called in names of nets.
+/// Value of a parameter, and its text in the names of nets.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) struct Given {
     pub(super) param: Name,
@@ -31,7 +31,7 @@ pub(super) struct Given {
     pub(super) name: String,
 }
 
-/// What the parameters of a unit are by itself.
+/// Returns the default values of the parameters of a unit.
 pub(super) fn by_itself(front: &Front<'_>, unit: &Unit) -> Vec<Given> {
     let params = elab::parameters(unit).into_iter().map(|id| unit.flow(id));
     let given = params.map(|flow| Given {
@@ -42,10 +42,11 @@ pub(super) fn by_itself(front: &Front<'_>, unit: &Unit) -> Vec<Given> {
     given.collect()
 }
 
-/// What a step of the task `unit`, whose own parameters are `known`, gives for each parameter of what it runs.
+/// Returns the values of all parameters of the callee of a step. The step belongs to the task `unit`, whose own
+/// parameters have the values `known`.
 ///
 /// # Errors
-/// What has no value before the task runs.
+/// A noun phrase for the argument that has no value before the task runs.
 pub(super) fn given(
     front: &Front<'_>,
     unit: &Unit,
@@ -58,7 +59,7 @@ pub(super) fn given(
     for (flow, arg) in callee.inputs.iter().zip(&step.args) {
         let param = &callee.flow(*flow).name;
         let Some(id) = *arg else {
-            // What is taken over from the predecessor is no parameter.
+            // A value taken over from the predecessor (`given`) is not a parameter.
             if elab::parameters(callee).contains(flow) {
                 all.push(Given {
                     param: param.clone(),
@@ -91,38 +92,38 @@ pub(super) fn given(
     Ok(all)
 }
 
-/// The name that stands at a place among the arguments of a step, if it is nothing but a name.
+/// Returns the name at a location among the arguments of a step, if the argument is a single name.
 fn named(run: &Run, at: Span) -> Option<&Name> {
     let values = run.args.iter().map(|arg| arg.value.unparen());
     let at_place = |value: &&Expr| value.span == at;
     values.filter(at_place).find_map(Expr::as_name)
 }
 
-/// What a task's parameter stands for; other names stand for themselves.
+/// Returns the text of the argument for a parameter of the task; any other name is returned unchanged.
 fn called(known: &[Given], name: &Name) -> String {
     let param = known.iter().find(|given| given.param == *name);
     param.map_or(name.to_string(), |given| given.name.clone())
 }
 
-/// How an argument is written, on one line.
+/// Returns the source text of an argument on one line.
 fn text(front: &Front<'_>, span: Span) -> String {
     let words: Vec<&str> = front.sources.slice(span).split_whitespace().collect();
     words.join(" ")
 }
 
-/// The instances that tasks have asked for so far.
+/// Instances that the tasks needed so far.
 #[derive(Default)]
 pub(super) struct Instances {
     pub(super) all: Vec<Instance>,
-    /// For each text the names of what it stands for, by unit and arguments.
+    /// For each text of an instance the names of the instances with this text, by unit and arguments.
     by_text: BTreeMap<String, BTreeMap<String, String>>,
-    /// Nodes of the plans that have been made.
+    /// Number of nodes of the plans so far.
     pub(super) planned: usize,
 }
 
 impl Instances {
-    /// The name of a command's net for what it is given; what it has by itself makes no instance where it can be run by
-    /// itself.
+    /// Returns the name of the net of a command for its arguments. A command with its default arguments needs no
+    /// instance if it can be run on its own.
     pub(super) fn name(&mut self, front: &Front<'_>, step: &TaskStep, given: Vec<Given>) -> String {
         let unit = front.checked.unit(step.unit);
         let module = front.program.decl(step.decl).module;
@@ -149,10 +150,12 @@ impl Instances {
         self.named(name, step, args)
     }
 
-    /// The same text may mean different values where tasks with parameters run one another: those are numbered.
+    /// Returns a unique name for an instance. The same text may denote different values if tasks with parameters call
+    /// one another; such instances are numbered.
     fn named(&mut self, text: String, step: &TaskStep, args: Vec<Argument>) -> String {
         let unit = step.unit;
         let same = self.by_text.entry(text.clone()).or_default();
+        // `Argument` is not `Ord`, so its debug text is the key.
         let key = format!("{unit:?} {args:?}");
         if let Some(name) = same.get(&key) {
             return name.clone();

@@ -1,12 +1,12 @@
-//! Tasks as the host runs them: which command follows which result.
+//! Task plans for the host: which command follows which result.
 //!
-//! A task becomes a plan of nodes that lead to one another. Tasks that it calls are put in its place. A command with other
-//! arguments than those that it has by itself is an [`Instance`], with a net of its own.
+//! A task becomes a plan, a graph of nodes. Called tasks are inlined. A command with other arguments than its default
+//! ones is an [`Instance`] with its own net.
 //!
 //! | file | idea |
 //! |---|---|
-//! | `plan.rs` | steps become nodes |
-//! | `instance.rs` | what commands are given |
+//! | `plan.rs` | conversion of steps to nodes |
+//! | `instance.rs` | arguments of commands |
 
 mod instance;
 mod plan;
@@ -22,30 +22,30 @@ use rpi_sema::typed::{UnitId, UnitKind};
 
 use crate::source::Front;
 
-/// A task.
+/// Task of a program.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Task {
-    /// Its name.
+    /// Name of the task.
     pub name: String,
-    /// What it does, or why it cannot be run.
+    /// Plan of the task, or the reason why it cannot be run.
     pub plan: Result<TaskPlan, String>,
 }
 
-/// A node of a plan: its command is called by its name, with the arguments where these are not called as its parameters:
+/// Node of a plan. A command is identified by its name, with the arguments if these differ from the parameter names:
 /// `MoveTo(arm, home)`.
 pub type TaskNode = rpi_net::plan::Node<String>;
 
-/// What a task does.
+/// Plan of a task.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct TaskPlan {
-    /// Its nodes; targets are indices.
+    /// Nodes of the plan; targets are indices into this list.
     pub nodes: Vec<TaskNode>,
-    /// The first one.
+    /// First node.
     pub start: Target,
 }
 
-/// The tasks of a program, in the order of the text, and the instances of commands that they need.
-/// Tasks that are too large are reported.
+/// Returns the tasks of a program in source order, and the instances of commands that they need. Tasks that are too
+/// large are reported.
 pub(crate) fn tasks(front: &Front<'_>, findings: &mut Vec<Finding>) -> (Vec<Task>, Vec<Instance>) {
     let is_task = |unit: UnitId| front.checked.unit(unit).kind == UnitKind::Task;
     let mut instances = Instances::default();
@@ -91,7 +91,7 @@ mod tests {
         compiled.tasks.pop().expect("there is a task").plan
     }
 
-    /// A command that is run, where its named results lead, and `fail` and all others.
+    /// Command, targets of its named results, target of `fail`, and target of all other results.
     type Step<'p> = (
         &'p str,
         &'p [(String, Target)],
@@ -112,7 +112,7 @@ mod tests {
         }
     }
 
-    /// M11.1.
+    /// Rule M11.1.
     #[test]
     fn branches_lead_to_named_steps() {
         let plan = planned(
@@ -136,7 +136,7 @@ mod tests {
         assert_eq!(run(&plan, fail.unwrap()).0, "B");
     }
 
-    /// M11.6.
+    /// Rule M11.6.
     #[test]
     fn strands_meet_again_and_errors_leave_them() {
         let inner =

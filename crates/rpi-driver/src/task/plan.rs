@@ -1,4 +1,4 @@
-//! Steps become the nodes of a plan.
+//! Conversion of the steps of a task to the nodes of a plan.
 
 use rpi_diag::Span;
 use rpi_net::plan::Target;
@@ -11,12 +11,12 @@ use super::instance::{self, Given, Instances};
 use super::{TaskNode, TaskPlan};
 use crate::source::Front;
 
-/// What keeps a task from being run.
+/// Reason why a task has no plan.
 #[derive(Debug)]
 pub(super) enum Unplanned {
-    /// Something that is told when it is to be run.
+    /// Message that is shown when the task is to be run.
     Said(String),
-    /// It is too large to be written out.
+    /// The task is too large after inlining.
     TooLarge,
 }
 
@@ -32,10 +32,10 @@ impl From<&str> for Unplanned {
     }
 }
 
-/// The plan of a task that is run by itself.
+/// Returns the plan of a task that is run on its own.
 ///
 /// # Errors
-/// What keeps it from being run.
+/// The reason why the task has no plan.
 pub(super) fn plan(
     front: &Front<'_>,
     decl: DeclId,
@@ -59,28 +59,28 @@ pub(super) fn plan(
 struct Builder<'f> {
     front: &'f Front<'f>,
     nodes: Vec<TaskNode>,
-    /// How many tasks run one another to get here.
+    /// Current depth of nested tasks.
     depth: usize,
     instances: &'f mut Instances,
-    /// The task that is being put in place.
+    /// Task that is being inlined.
     unit: &'f Unit,
-    /// What its parameters are.
+    /// Values of its parameters.
     known: Vec<Given>,
 }
 
-/// Where the steps of a task lead when nothing else is said.
+/// Default targets of the steps of a task.
 #[derive(Clone)]
 struct Scope {
-    /// Behind the task.
+    /// Target after the task.
     exit: Target,
-    /// After a `fail` that no branch names.
+    /// Target of a `fail` without a branch.
     fail: Option<Target>,
-    /// The named steps.
+    /// Labelled steps and their nodes.
     labels: Vec<(String, usize)>,
 }
 
 impl<'f> Builder<'f> {
-    /// Puts a task in place; gives its first node. Tasks do not run themselves: the checker has seen to that.
+    /// Inlines a task and returns its first node. Recursion was excluded by the checker.
     fn task(
         &mut self,
         decl: DeclId,
@@ -98,7 +98,7 @@ impl<'f> Builder<'f> {
         self.steps(&task.steps, exit, scope)
     }
 
-    /// Puts steps in place, which lead to `behind`; gives the first.
+    /// Adds the nodes of steps, the last of which leads to `behind`. Returns the first node.
     fn steps(
         &mut self,
         steps: &[Step],
@@ -167,8 +167,8 @@ impl<'f> Builder<'f> {
         Ok(TaskNode::Enter(at))
     }
 
-    /// Puts strands in place. Each leads to a node behind which it waits for the others; what leaves it by an error goes through
-    /// a node that ends them.
+    /// Adds the nodes of parallel branches. Each branch leads to a node that waits for the others. A branch left by an
+    /// error goes through a node that ends the other branches.
     fn parallel(
         &mut self,
         strands: &[Strand],
@@ -225,7 +225,7 @@ impl<'f> Builder<'f> {
         })
     }
 
-    /// How often something is repeated.
+    /// Returns the number of repetitions.
     fn times(&self, count: Span) -> Result<u64, Unplanned> {
         let mut counts = self.unit.counts.iter();
         let (_, id) = counts
@@ -235,9 +235,8 @@ impl<'f> Builder<'f> {
         match elab::argument(&self.front.checked.units, self.unit, *id, &known) {
             Argument::Value(leaves) => {
                 let times = leaves.first().and_then(|leaf| leaf.as_int()).unwrap_or(0);
-                u64::try_from(times).map_err(|_| {
-                    format!("{times} repetitions, which are no number of times").into()
-                })
+                u64::try_from(times)
+                    .map_err(|_| format!("{times} repetitions, which is not a valid number").into())
             }
             _ => Err("a number of repetitions that has no value before the task runs".into()),
         }
@@ -251,7 +250,7 @@ struct Branches {
     any: Option<Target>,
 }
 
-/// What the branches say; of two for one result the first counts.
+/// Returns the targets of the branches; of two branches for the same result the first counts.
 fn branches(all: &[Branch], scope: &Scope) -> Result<Branches, String> {
     let mut found = Branches::default();
     for branch in all {
@@ -274,5 +273,5 @@ fn labelled(scope: &Scope, label: &str) -> Result<usize, String> {
     let found = scope.labels.iter().rev().find(|(name, _)| name == label);
     found
         .map(|(_, at)| *at)
-        .ok_or_else(|| format!("the step {label}, which is not there"))
+        .ok_or_else(|| format!("the step {label}, which does not exist"))
 }

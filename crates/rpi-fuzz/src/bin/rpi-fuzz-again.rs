@@ -1,4 +1,4 @@
-//! Runs inputs through an entry as it is built for users, each within its budget: `rpi-fuzz-again ENTRY FILE...`.
+//! Runs inputs through an entry point in a normal build, each within its budget: `rpi-fuzz-again ENTRY FILE...`.
 
 use std::process::ExitCode;
 

@@ -1,4 +1,4 @@
-//! Writes what a fuzzer begins with: `rpi-fuzz-seeds ENTRY FOLDER DICTIONARY`.
+//! Writes the initial corpus and the dictionary of a fuzzer: `rpi-fuzz-seeds ENTRY FOLDER DICTIONARY`.
 
 use std::fs;
 use std::path::Path;
@@ -24,7 +24,7 @@ fn main() -> ExitCode {
 
 fn write(name: &str, folder: &Path, words: &Path) -> std::io::Result<usize> {
     let entry = rpi_fuzz::entry(name)
-        .ok_or_else(|| std::io::Error::other(format!("no entry is called {name}")))?;
+        .ok_or_else(|| std::io::Error::other(format!("unknown entry point: {name}")))?;
     fs::create_dir_all(folder)?;
     fs::write(words, rpi_fuzz::dictionary())?;
     let mut seeds = (entry.seeds)();

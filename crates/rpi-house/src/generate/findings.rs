@@ -1,12 +1,14 @@
-//! The chapter on findings: every code with its page.
+//! Generator of the chapter on diagnostics: every code with its explanation page.
 
 use rpi_diag::Code;
 
 use super::MARK;
 
 pub(super) fn chapter() -> String {
-    let mut out = format!("{MARK}# Findings\n\nWhat the tools say of a program, by code. ");
-    out.push_str("`rpic explain CODE` prints the same page.\n\n| code | | |\n|---|---|---|\n");
+    let mut out = format!("{MARK}# Diagnostics\n\nErrors, warnings and notes by code. ");
+    out.push_str(
+        "`rpic explain CODE` prints the same page.\n\n| code | severity | title |\n|---|---|---|\n",
+    );
     for code in Code::ALL {
         out.push_str(&format!(
             "| `{code}` | {} | {} |\n",
@@ -15,7 +17,7 @@ pub(super) fn chapter() -> String {
         ));
     }
     for code in Code::ALL {
-        // The page's own heading becomes a section of the chapter.
+        // The heading of the page becomes a section of the chapter.
         out.push_str(&format!("\n#{}", code.page()));
     }
     out

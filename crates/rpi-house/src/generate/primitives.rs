@@ -1,4 +1,4 @@
-//! The chapter on primitives: the registry as a reference.
+//! Generator of the chapter on primitives, from the registry.
 
 use std::fmt::Write;
 
@@ -8,12 +8,10 @@ use rpi_prims::registry;
 use super::MARK;
 
 pub(super) fn chapter() -> String {
-    let mut out = format!("{MARK}# Primitives\n\nWhat nets are made of, by registered name. ");
+    let mut out = format!("{MARK}# Primitives\n\nBuilding blocks of nets, by registered name. ");
+    out.push_str("An in-port listed with a parameter uses that parameter if it is not connected. ");
     out.push_str(
-        "An in-port marked with a parameter takes that parameter where nothing is connected. ",
-    );
-    out.push_str(
-        "Work bounds count elementary operations in one cycle; the addition of two reals is one.\n",
+        "The work bound is the number of elementary operations in one cycle; an addition of two reals is one.\n",
     );
     let mut module = "";
     for prim in registry() {
@@ -58,7 +56,7 @@ fn line(out: &mut String, head: &str, items: impl Iterator<Item = String>) {
     }
 }
 
-/// Doc comments keep the space that follows `///`.
+/// Removes the space after `///`, which doc comments keep.
 fn unindent(doc: &str) -> String {
     let lines: Vec<&str> = doc
         .trim()

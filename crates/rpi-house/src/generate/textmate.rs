@@ -1,7 +1,7 @@
-//! The TextMate grammar for editors, from the compiler's table of words.
+//! Generator of the TextMate grammar for editors, from the keyword table of the compiler.
 //!
-//! It colours; it does not parse. Words that are keywords only in places are coloured where the
-//! lexer's rule for them allows it: not after `.` and not before `=`, `:`, `,` or `)`.
+//! The grammar only highlights; it does not parse. Contextual keywords are highlighted where the lexer may accept them:
+//! not after `.` and not before `=`, `:`, `,` or `)`.
 
 use rpi_syntax::ops::{BINARY, UNARY};
 use rpi_syntax::{KEYWORDS, Place};
@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 const NAME: &str = "[A-Za-z_][A-Za-z0-9_']*";
 const TYPES: &[&str] = &["bool", "int", "real"];
 const CONSTANTS: &[&str] = &["true", "false"];
-/// Flows, values and operators that are declared without a declaration (language reference).
+/// Predeclared flows, values and operators (language reference).
 const PREDECLARED: &[&str] = &[
     "cancel",
     "dt",
@@ -41,7 +41,7 @@ pub(super) fn grammar() -> String {
             "operators": { "patterns": [one("keyword.operator", r"->|=>|\?\?|<>|<=|>=|<<|>>|\*\*|[-+*/%^|#=<>?]")] },
         },
     });
-    // A value of strings and lists always serialises.
+    // A value of strings and lists can always be serialised.
     serde_json::to_string_pretty(&grammar).unwrap_or_default() + "\n"
 }
 
@@ -65,7 +65,7 @@ fn literals() -> Value {
     ])
 }
 
-/// The name after the word that declares it.
+/// Pattern for a declaring keyword and the declared name.
 fn declarations() -> Value {
     let words = alternatives(
         KEYWORDS

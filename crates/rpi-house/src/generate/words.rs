@@ -1,4 +1,4 @@
-//! The chapter on words and operators, from the tables of the front end.
+//! Generator of the chapter on keywords and operators, from the tables of the front end.
 
 use std::fmt::Write;
 
@@ -8,15 +8,15 @@ use rpi_syntax::{KEYWORDS, Keyword, Place};
 use super::MARK;
 
 pub(super) fn chapter() -> String {
-    let mut out = format!("{MARK}# Words and operators\n\n");
-    out.push_str("## Reserved words\n\nThese can not be names.\n\n| word | in `.lus` | what it is for |\n|---|---|---|\n");
+    let mut out = format!("{MARK}# Keywords and operators\n\n");
+    out.push_str("## Reserved words\n\nThese cannot be used as names.\n\n| word | in `.lus` | meaning |\n|---|---|---|\n");
     rows(&mut out, |word| word.place == Place::Reserved);
-    out.push_str("\n## Words by place\n\nThese are keywords only where the grammar expects them, and names everywhere else. ");
+    out.push_str("\n## Contextual keywords\n\nThese are keywords only where the grammar expects them, and names everywhere else. ");
     out.push_str("They are never keywords after `.` or before `=`, `:`, `,` or `)`.\n\n");
-    out.push_str("| word | in `.lus` | what it is for |\n|---|---|---|\n");
+    out.push_str("| word | in `.lus` | meaning |\n|---|---|---|\n");
     rows(&mut out, |word| word.place != Place::Reserved);
-    out.push_str("\n## Operators\n\nWeakest first; a larger level binds more strongly.\n\n");
-    out.push_str("| level | operator | groups | what it does |\n|---|---|---|---|\n");
+    out.push_str("\n## Operators\n\nIn order of increasing precedence: a higher level binds more tightly.\n\n");
+    out.push_str("| level | operator | associativity | meaning |\n|---|---|---|---|\n");
     for (_, row) in operators() {
         out.push_str(&row);
     }
@@ -37,25 +37,25 @@ fn rows(out: &mut String, wanted: impl Fn(&Keyword) -> bool) {
     }
 }
 
-/// Operators that are written in words among their operands: level, form, grouping, what they do.
+/// Operators that consist of several keywords: level, form, associativity, meaning.
 const MIXED: [(u8, &str, &str, &str); 3] = [
     (
         LEVEL_IF,
         "if c then a else b",
-        "to the right",
-        "choice in each cycle",
+        "right",
+        "selection in each cycle",
     ),
     (
         LEVEL_IF,
         "with c then a else b",
-        "to the right",
-        "choice when the program is compiled",
+        "right",
+        "selection at compile time",
     ),
     (
         LEVEL_WHEN,
         "a when c",
-        "to the left",
-        "sampled: there only where `c` holds",
+        "left",
+        "sampling: present only if `c` is true",
     ),
 ];
 
@@ -79,9 +79,9 @@ fn operators() -> Vec<(u8, String)> {
 
 fn binary(row: &BinaryRow) -> (u8, String) {
     let groups = match row.grouping {
-        Grouping::Left => "to the left",
-        Grouping::Right => "to the right",
-        Grouping::None => "not",
+        Grouping::Left => "left",
+        Grouping::Right => "right",
+        Grouping::None => "none",
     };
     let spelling = row.spelling.replace('|', "\\|");
     (

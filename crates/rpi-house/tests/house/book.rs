@@ -1,8 +1,8 @@
-//! What documents show is so: files are written, commands are run, and their output is what the document says.
+//! Checks the examples in documents: files are written, commands are run, and their output must be as shown.
 //!
-//! A block `rpi lamp.rpi` is also a file of that name, for the commands that come behind it in the same document; `rpi,wrong
-//! slip.rpi` is one that the compiler shall complain about. A block `console` has lines `$ command`, each followed by what it
-//! prints (standard output, then standard error); a line `...` stands for any number of lines. `RPI_BLESS=1` writes outputs anew.
+//! A block `rpi lamp.rpi` also creates a file of that name, for later commands in the same document; `rpi,wrong
+//! slip.rpi` creates one with an error. A block `console` has lines `$ command`, each followed by its output (standard
+//! output, then standard error); a line `...` matches any number of lines. `RPI_BLESS=1` updates the outputs.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -11,18 +11,18 @@ use rpi_house::{Fence, fences};
 use rpi_sim::Cell;
 use rpi_testkit::{files_below, workspace_root};
 
-/// How blocks of a language are held to be right.
+/// Kind of check for the blocks of a language.
 #[derive(Clone, Copy, PartialEq)]
 enum Held {
-    /// The compiler takes them: `docs.rs`.
+    /// Compiled without diagnostics, checked in `docs.rs`.
     Compiled,
-    /// They are written into files, which commands in the document use.
+    /// Written to files that commands in the document use.
     Used,
-    /// They are run.
+    /// Run, and the output compared.
     Run,
-    /// They describe cells, and are read as such.
+    /// Parsed as cell descriptions.
     Cell,
-    /// Pictures and forms, for people; settings and commands of other tools. Nothing of ours could tell.
+    /// Not checked: figures, formats, and settings and commands of other tools.
     Shown,
 }
 
@@ -42,7 +42,7 @@ const LANGUAGES: &[(&str, Held)] = &[
     ("", Held::Shown),
 ];
 
-/// Settings of an editor, not of a cell.
+/// Documents whose TOML blocks are settings of an editor, not cell descriptions.
 const OTHER_TOML: &[&str] = &["editor-support/README.md"];
 
 #[test]
@@ -54,7 +54,7 @@ fn every_block_is_of_a_kind_that_is_held() {
         let place = format!("{}:{}", path.display(), fence.line);
         assert!(
             known || on_page,
-            "{place}: nobody knows what `{language}` is"
+            "{place}: unknown block language `{language}`"
         );
     }
 }
@@ -96,7 +96,7 @@ fn commands_in_documents_print_what_is_shown() {
                     now = now.replacen(&block(&command, &shown), &block(&command, &printed), 1);
                     let place = format!("{}:{}", path.display(), fence.line);
                     wrong.push(format!(
-                        "{place}: $ {command}\n{printed}--- but shown is\n{shown}"
+                        "{place}: $ {command}\n{printed}--- but the document shows\n{shown}"
                     ));
                 }
             }
@@ -113,7 +113,7 @@ fn block(command: &str, output: &str) -> String {
     format!("$ {command}\n{output}")
 }
 
-/// The commands of a block, each with what is shown as its output.
+/// Returns the commands of a block, each with its documented output.
 fn commands(code: &str) -> Vec<(String, String)> {
     let mut found: Vec<(String, String)> = Vec::new();
     for line in code.lines() {
@@ -126,7 +126,7 @@ fn commands(code: &str) -> Vec<(String, String)> {
     found
 }
 
-/// What a command prints, in a folder.
+/// Returns the output of a command that is run in a folder.
 fn printed(command: &str, dir: &Path) -> String {
     let mut words = command.split(' ');
     let tool = words.next().unwrap_or_default();
@@ -150,7 +150,7 @@ fn printed(command: &str, dir: &Path) -> String {
     String::from_utf8_lossy(&all).into_owned()
 }
 
-/// Our tools lie beside the tests, where cargo puts them when it tests the whole workspace.
+/// Returns the path of a tool: cargo puts it beside the tests when the whole workspace is tested.
 fn tool(name: &str) -> PathBuf {
     assert!(["rpi", "rpic"].contains(&name), "no document runs `{name}`");
     let test = std::env::current_exe().expect("a test has a path");
@@ -163,7 +163,7 @@ fn tool(name: &str) -> PathBuf {
         .with_extension(std::env::consts::EXE_EXTENSION)
 }
 
-/// Whether an output is as shown; `...` stands for any lines.
+/// Returns whether an output is as documented; `...` matches any number of lines.
 fn matches(shown: &str, printed: &str) -> bool {
     let shown: Vec<&str> = shown.lines().map(str::trim_end).collect();
     let printed: Vec<&str> = printed.lines().map(str::trim_end).collect();
@@ -208,7 +208,7 @@ fn all_fences() -> Vec<(PathBuf, Fence)> {
     documents().into_iter().flat_map(in_file).collect()
 }
 
-/// At the root, in the book, beside programs and clients.
+/// Returns all documents: at the root, in the book, beside programs and clients.
 fn documents() -> Vec<PathBuf> {
     let generated = workspace_root().join("docs/src/findings.md");
     files_below("", &[".md"])

@@ -1,9 +1,9 @@
-//! The book's list of promises names, for each, files and tests that exist.
+//! Every row of the checklist in the book must name existing files and tests.
 
 use rpi_house::functions;
 use rpi_testkit::workspace_root;
 
-/// How many promises there are.
+/// Number of rows.
 const PROMISES: usize = 38;
 
 #[test]
@@ -27,7 +27,7 @@ fn every_promise_names_what_shows_it() {
     assert_eq!(number, PROMISES);
 }
 
-/// `path/to/file`, or `path/to/file.rs::test`.
+/// Checks a reference of the form `path/to/file` or `path/to/file.rs::test`.
 fn exists(number: usize, place: &str) {
     let (path, test) = match place.split_once("::") {
         Some((path, test)) => (path, Some(test)),

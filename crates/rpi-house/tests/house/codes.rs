@@ -1,4 +1,5 @@
-//! Rule 3: a finding is declared in one table, and has one page. Rule 10: it is raised in one place.
+//! Rule 3: a diagnostic code is declared in one table and has one explanation page. Rule 10: it is reported in one
+//! crate.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -19,7 +20,7 @@ fn no_page_without_a_code() {
     assert_eq!(pages, codes);
 }
 
-/// What no program brings about, as far as is known: their pages have no wrong program.
+/// Codes that no known program can cause; their pages have no wrong program.
 const NO_PROGRAM: &[Code] = &[Code::RPI7003, Code::RPI9021, Code::RPI9201, Code::RPI9901];
 
 #[test]
@@ -41,7 +42,7 @@ fn pages_carry_their_title_and_both_programs() {
     }
 }
 
-/// The words of a finding live beside the check that knows the facts, and so in one crate.
+/// The message of a diagnostic is written beside the check that has the facts, hence in one crate.
 #[test]
 fn a_code_is_raised_in_one_crate() {
     let raisers = raisers();
@@ -54,7 +55,7 @@ fn a_code_is_raised_in_one_crate() {
     }
 }
 
-/// For each code the crates whose product raises it.
+/// Returns, for each code, the crates that report it.
 fn raisers() -> BTreeMap<String, BTreeSet<String>> {
     let mut raisers: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
     for file in source_files()

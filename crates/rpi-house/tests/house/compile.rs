@@ -1,17 +1,17 @@
-//! What the compiler says of a text: the one way in which the tests of documents and of `tests/ui` ask.
+//! Runs the compiler for the tests of documents and of `tests/ui`.
 
 use std::path::{Path, PathBuf};
 
 use rpi_diag::{Finding, SourceMap};
 use rpi_driver::{Input, Kind, compile};
 
-/// What was found, and the texts that it is about.
+/// Diagnostics and the source texts that they refer to.
 pub(crate) struct Said {
     pub(crate) findings: Vec<Finding>,
     pub(crate) sources: SourceMap,
 }
 
-/// Takes a text through all stages up to checked nets, under a file name, which tells its language.
+/// Compiles a text up to checked nets. The extension of the file name decides the language.
 pub(crate) fn check(name: &str, text: &str) -> Said {
     let path = PathBuf::from(name);
     let kind = Kind::of(Path::new(name)).expect("the name tells the language");

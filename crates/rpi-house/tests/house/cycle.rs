@@ -2,10 +2,10 @@
 
 use rpi_house::{functions, source_files};
 
-/// Lines that the cycle, and each of its phases, stays under.
+/// Lines below which the cycle and each of its phases must stay.
 const LONGEST: usize = 40;
 
-/// The cycle (`tick`) and its phases, all in rpi-core.
+/// Functions of the cycle (`tick` and its phases), all in rpi-core.
 const CYCLE: &[&str] = &[
     "tick",
     "tell",
@@ -32,7 +32,7 @@ fn the_cycle_is_under_forty_lines() {
             .collect();
         assert!(
             !lines.is_empty(),
-            "rpi-core has no function `{name}`; which one is the cycle now?"
+            "rpi-core has no function `{name}`; update CYCLE"
         );
         assert!(
             lines.iter().all(|lines| *lines < LONGEST),
@@ -50,8 +50,8 @@ const REAL_TIME: &[&str] = &[
     "rpi-prims",
 ];
 
-/// What must not stand in them. That they do not allocate in a cycle is what the allocation trap
-/// shows; that they know no thread, clock or file follows from their being `no_std`.
+/// Code that is not allowed in them. Absence of allocation is checked by the allocation trap; absence of threads,
+/// clocks and files follows from `no_std`.
 const FORBIDDEN: &[&str] = &[
     ".unwrap()",
     ".expect(",

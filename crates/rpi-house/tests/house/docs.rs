@@ -1,8 +1,8 @@
-//! Programs in documents are programs: the compiler takes what a document shows as right, and says of
-//! what it shows as wrong just what the document says.
+//! Compiles the programs in documents. Correct examples must compile without diagnostics, wrong examples must give
+//! exactly the documented code.
 //!
-//! A fence `rpi` holds a whole program that compiles without a finding, `lus` one in Lustre, `rpinet`
-//! a net. On the page of a code, `rpi-right` is the same, and `rpi-wrong` gives that code and no other.
+//! A fence `rpi` contains a whole program that compiles without diagnostics, `lus` one in Lustre, `rpinet` a net. On an
+//! explanation page, `rpi-right` is the same, and `rpi-wrong` gives the code of the page and no other.
 
 use std::path::PathBuf;
 
@@ -12,7 +12,7 @@ use rpi_testkit::files_below;
 
 use crate::compile::{Said, check};
 
-/// Fences of whole programs in documents.
+/// Languages of fences that contain whole programs.
 const RIGHT: &[&str] = &["rpi", "lus", "rpinet"];
 
 #[test]
@@ -22,7 +22,7 @@ fn programs_in_documents_compile() {
     for path in documents() {
         let text = std::fs::read_to_string(&path).unwrap_or_default();
         for mut fence in fences(&text) {
-            // A block may be a file, too: `rpi lamp.rpi`.
+            // A block may also name a file: `rpi lamp.rpi`.
             fence.info = fence.info.split(' ').next().unwrap_or_default().to_owned();
             if !RIGHT.contains(&fence.info.as_str()) {
                 continue;
@@ -55,7 +55,7 @@ fn pages_say_what_the_compiler_says() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// The standard library and the examples.
+/// Compiles the standard library and the examples.
 #[test]
 fn programs_of_the_project_compile() {
     let files = [
@@ -84,14 +84,14 @@ fn programs_of_the_project_compile() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// What the compiler has against a program that should be right.
+/// Returns the diagnostics of a program that should have none.
 fn complaint(place: &str, fence: &Fence) -> Option<String> {
     let Said { findings, sources } = check(file_name(fence)?, &fence.code);
     let shown = render(&findings, &sources, Style::PLAIN);
     (!findings.is_empty()).then(|| format!("{place}: should be right\n{shown}"))
 }
 
-/// What the compiler says of a wrong program if that is not one code alone.
+/// Returns the diagnostics of a wrong program unless they are exactly one with the expected code.
 fn other_than(code: Code, fence: &Fence) -> Option<String> {
     let Said { findings, sources } = check(file_name(fence)?, &fence.code);
     let codes: Vec<Code> = findings.iter().map(|finding| finding.code).collect();
@@ -99,7 +99,7 @@ fn other_than(code: Code, fence: &Fence) -> Option<String> {
     (codes != [code]).then(|| format!("{code}, wrong program: gives {codes:?}\n{shown}"))
 }
 
-/// The name of a program's file, which tells its language, if the fence holds a whole program.
+/// Returns a file name whose extension decides the language, if the fence contains a whole program.
 fn file_name(fence: &Fence) -> Option<&'static str> {
     match fence.info.as_str() {
         "rpi" | "rpi-right" | "rpi-wrong" => Some("example.rpi"),
@@ -109,7 +109,7 @@ fn file_name(fence: &Fence) -> Option<&'static str> {
     }
 }
 
-/// Everything that is read as documentation: at the root, in the book, beside the examples.
+/// Returns all documents: at the root, in the book, beside the examples.
 fn documents() -> Vec<PathBuf> {
     files_below("", &[".md"])
         .into_iter()

@@ -1,11 +1,10 @@
-//! Rule 1: dependencies point one way, as drawn.
+//! Rule 1: dependencies between crates have one direction.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use rpi_house::{Package, packages};
 
-/// The drawing as a table: which crates a crate is built on. A new edge is a decision: it belongs
-/// here and into `ARCHITECTURE.md`.
+/// Allowed dependencies of each crate. A new edge is a decision: add it here and to `ARCHITECTURE.md`.
 const EDGES: &[(&str, &[&str])] = &[
     ("rpi-image", &[]),
     ("rpi-device", &["rpi-image"]),
@@ -165,7 +164,7 @@ const EDGES: &[(&str, &[&str])] = &[
     ("xtask", &["rpi-house"]),
 ];
 
-/// What runs, or may run, on the cycle thread.
+/// Crates whose code runs, or may run, on the cycle thread.
 const NO_STD: &[&str] = &[
     "rpi-core",
     "rpi-device",
@@ -174,7 +173,7 @@ const NO_STD: &[&str] = &[
     "rpi-prims",
 ];
 
-/// The compiler: what the real-time side must never see.
+/// Crates of the compiler, which the real-time crates must not depend on.
 const COMPILER: &[&str] = &[
     "rpi-diag",
     "rpi-doc",
@@ -187,7 +186,7 @@ const COMPILER: &[&str] = &[
     "rpic",
 ];
 
-/// Third-party crates that the real-time side may use; all of them work without `std`.
+/// Third-party crates that the real-time crates may use; all of them work without `std`.
 const NO_STD_THIRD_PARTY: &[&str] = &["libm", "nalgebra", "smallvec"];
 
 #[test]
@@ -205,7 +204,7 @@ fn edges_are_as_drawn() {
         assert_eq!(
             real.get(name),
             drawn.get(name),
-            "{name}: left is what its manifest says, right is the drawing (EDGES in {})",
+            "{name}: left is the manifest, right is the table (EDGES in {})",
             file!()
         );
     }
@@ -216,17 +215,17 @@ fn the_real_time_side_sees_no_compiler() {
     for name in NO_STD {
         let seen = reachable(name);
         let bad: Vec<_> = COMPILER.iter().filter(|c| seen.contains(**c)).collect();
-        assert!(bad.is_empty(), "{name} sees {bad:?}");
+        assert!(bad.is_empty(), "{name} depends on {bad:?}");
         let std: Vec<_> = seen.iter().filter(|c| !NO_STD.contains(c)).collect();
         assert!(
             std.is_empty(),
-            "{name} must do without std and sees {std:?}"
+            "{name} must not need std but depends on {std:?}"
         );
     }
 }
 
-/// The proof is `cargo check -p rpi-nostd --features proof`, which `.ci/run` does; this says earlier
-/// and more plainly what is wrong.
+/// The proof is `cargo check -p rpi-nostd --features proof` in `.ci/run`; this test fails earlier and with a clearer
+/// message.
 #[test]
 fn the_real_time_side_is_no_std() {
     for package in real_time_packages() {
@@ -245,7 +244,7 @@ fn the_real_time_side_is_no_std() {
             let plain = dependency.name == "libm" || !dependency.default_features;
             assert!(
                 plain,
-                "{crate_name}: the default features of {name} bring std along"
+                "{crate_name}: the default features of {name} need std"
             );
         }
     }
@@ -261,12 +260,12 @@ fn only_tests_use_the_test_kit() {
         let edges = package.edges();
         assert!(
             !edges.contains(&"rpi-testkit"),
-            "{} is built on the test kit",
+            "{} depends on rpi-testkit",
             package.name
         );
         assert!(
             !edges.contains(&"rpi-house"),
-            "{} is built on the house's rules",
+            "{} depends on rpi-house",
             package.name
         );
     }
@@ -279,7 +278,7 @@ fn real_time_packages() -> Vec<Package> {
         .collect()
 }
 
-/// Every crate that `from` is built on, directly or not, by the drawing.
+/// Returns every crate that `from` depends on, directly or indirectly, according to the table.
 fn reachable(from: &'static str) -> BTreeSet<&'static str> {
     let mut seen = BTreeSet::new();
     let mut next: Vec<&str> = vec![from];

@@ -1,7 +1,8 @@
-//! What people of other languages write first: one diagnostic for each mistake, at the right place, with what to write here.
+//! Typical first mistakes of users of other languages: each must give one diagnostic, at the right location, with the
+//! correct form.
 //!
-//! Each program in `tests/first-mistakes` has one mistake. Its first two lines state the place of the
-//! primary label, and words that the diagnostic must contain, separated by ` | `.
+//! Each program in `tests/first-mistakes` has one mistake. Its first two lines state the location of the primary label,
+//! and words that the diagnostic must contain, separated by ` | `.
 
 use std::path::{Path, PathBuf};
 
@@ -10,7 +11,7 @@ use rpi_testkit::{files_below, workspace_root};
 
 use crate::compile::check;
 
-/// So many programs there are at least.
+/// Smallest expected number of programs.
 const LEAST: usize = 400;
 
 #[test]
@@ -21,7 +22,7 @@ fn first_mistakes_get_one_message_that_says_what_to_write() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// What is wrong with the diagnostic of a program, if anything.
+/// Returns what is wrong with the diagnostic of a program, if anything.
 fn wrong(path: &Path) -> Option<String> {
     let text = std::fs::read_to_string(path).expect("it is UTF-8");
     let name = short(path);
@@ -50,7 +51,7 @@ fn wrong(path: &Path) -> Option<String> {
     (!has_way_out).then(|| format!("{name}: no help and no fix"))
 }
 
-/// The place and the words that the first lines of a program state.
+/// Returns the location and the words stated in the first lines of a program.
 fn expected(text: &str) -> Option<(&str, Vec<&str>)> {
     let mut lines = text.lines();
     let place = lines.next()?.strip_prefix("-- at: ")?;
@@ -59,7 +60,7 @@ fn expected(text: &str) -> Option<(&str, Vec<&str>)> {
     Some((place, words.collect()))
 }
 
-/// Everything that a diagnostic says.
+/// Returns all texts of a diagnostic.
 fn in_words(finding: &Finding) -> String {
     let mut all = vec![finding.message.clone()];
     all.extend(finding.labels.iter().map(|label| label.text.clone()));
@@ -71,7 +72,7 @@ fn in_words(finding: &Finding) -> String {
     all.join("\n")
 }
 
-/// The file without folders of this machine.
+/// Returns the path relative to the workspace, without folders of this machine.
 fn short(path: &Path) -> String {
     let root: PathBuf = workspace_root();
     let below = path.strip_prefix(root).unwrap_or(path);

@@ -1,5 +1,5 @@
-//! Every fix of every finding mends it: applied alone and compiled again, the finding is gone, and a fix that claims
-//! to be sure brings no new error. Whatever the fix, the text can still be read.
+//! Every fix must remove its diagnostic: it is applied alone and the program is compiled again. A fix that is marked as
+//! sure must not cause a new error, and no fix may cause a syntax error.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -36,7 +36,7 @@ fn each_fix_of_a_page_mends_its_wrong_program() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n\n"));
 }
 
-/// The ending of a file for a fence that shows a wrong program.
+/// Returns the file extension for a fence that contains a wrong program.
 fn language(info: &str) -> Option<&'static str> {
     match info {
         "rpi-wrong" => Some("rpi"),
@@ -46,7 +46,7 @@ fn language(info: &str) -> Option<&'static str> {
     }
 }
 
-/// Applies each fix alone; returns how many there were.
+/// Applies each fix alone. Returns the number of fixes.
 fn try_fixes(name: &str, text: &str, wrong: &mut Vec<String>) -> usize {
     let Said { findings, .. } = check(name, text);
     let mut count = 0;
@@ -66,12 +66,12 @@ fn try_fixes(name: &str, text: &str, wrong: &mut Vec<String>) -> usize {
     count
 }
 
-/// Whether the finding is gone, and no other error is new if the fix is sure.
+/// Returns an error if the diagnostic is still reported, or if the fix causes an error that it must not cause.
 fn judge(before: &[Finding], mended: &Finding, fix: &Fix, after: &[Finding]) -> Result<(), String> {
     let (old, new) = (counted(before), counted(after));
     let key = key(mended);
     if new.get(&key) >= old.get(&key) {
-        return Err("the finding is still there".to_owned());
+        return Err("the diagnostic is still reported".to_owned());
     }
     let is_new = |(key, count): &(&Key, &usize)| {
         key.0.severity() == Severity::Error && Some(*count) > old.get(key)

@@ -1,4 +1,4 @@
-//! Generated files are what their generator would write.
+//! Committed generated files must be equal to the output of their generators.
 
 use rpi_house::generated;
 
@@ -12,7 +12,7 @@ fn generated_files_are_current() {
         .collect();
     assert!(
         stale.is_empty(),
-        "run `cargo xtask gen` and look at what changes in {stale:?}"
+        "run `cargo xtask gen` and review the changes in {stale:?}"
     );
 }
 

@@ -1,4 +1,4 @@
-//! Links between the documents lead somewhere, and the book's table of contents is complete.
+//! Links between documents must have targets, and the table of contents of the book must be complete.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -33,7 +33,7 @@ fn the_book_lists_every_chapter_once() {
     }
 }
 
-/// The documents at the root, the book, and the notes beside code and data.
+/// Returns the documents at the root, the book, and the notes beside code and data.
 fn documents() -> Vec<PathBuf> {
     let found = files_below("", &[".md"]);
     found
@@ -42,8 +42,8 @@ fn documents() -> Vec<PathBuf> {
         .collect()
 }
 
-/// Targets of `[text](target)` that are files: no web addresses, no places within a document, no
-/// code, where brackets mean something else.
+/// Returns the targets of `[text](target)` that are files. Web addresses, anchors within a document and code are
+/// ignored.
 fn links(markdown: &str) -> impl Iterator<Item = String> + '_ {
     let mut in_code = false;
     let prose = markdown.lines().filter(move |line| {

@@ -1,4 +1,4 @@
-//! The rules of `ARCHITECTURE.md`, each as a test. One file per rule or kind of rule.
+//! Rules of `ARCHITECTURE.md` as tests, one file per rule or kind of rule.
 
 mod book;
 mod checklist;

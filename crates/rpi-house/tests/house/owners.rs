@@ -1,11 +1,12 @@
-//! Rule 9: third-party crates have one owner crate each.
+//! Rule 9: each third-party crate has one owner crate.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use rpi_house::packages;
 
-/// Who uses what in the product. nalgebra's types are the one vocabulary that crosses crates, and
-/// libm the one arithmetic; serde and clap are derives that name no type of theirs in an interface.
+/// Crates that may depend on each third-party crate. Crates with several owners are exceptions: the types of nalgebra
+/// are shared vocabulary, libm is the one implementation of arithmetic, and the derives of serde and clap do not expose
+/// types in interfaces.
 const OWNERS: &[(&str, &[&str])] = &[
     ("cap", &["rpi-fuzz", "rpi-testkit"]),
     ("clap", &["rpi", "rpic"]),
@@ -62,7 +63,7 @@ const OWNERS: &[(&str, &[&str])] = &[
     ("assert_no_alloc", &["rpi-testkit"]),
 ];
 
-/// What any crate may use in its tests and benches.
+/// Third-party crates that any crate may use in tests and benches.
 const TEST_TOOLS: &[&str] = &[
     "criterion",
     "html5ever",
@@ -89,7 +90,7 @@ fn third_party_crates_have_the_owners_of_the_table() {
         assert_eq!(
             used.get(name),
             listed.get(name),
-            "{name}: left is what the manifests say, right is the table (OWNERS in {})",
+            "{name}: left are the manifests, right is the table (OWNERS in {})",
             file!()
         );
     }
@@ -103,14 +104,14 @@ fn tests_use_what_is_listed_or_owned() {
                 || OWNERS.iter().any(|(name, _)| *name == tool.name);
             assert!(
                 known,
-                "{} tests with {}, which nobody listed",
+                "{} uses {} in tests, which is not in the tables",
                 package.name, tool.name
             );
         }
     }
 }
 
-/// Third-party crates of the product, each with the crates that depend on it.
+/// Returns the third-party crates of the product, each with the crates that depend on it.
 fn used() -> BTreeMap<String, BTreeSet<String>> {
     let mut used: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
     for package in packages() {

@@ -28,7 +28,7 @@ fn declarations_are_complete() {
             desc.name
         );
         let bounded = desc.work > 0 || desc.role != Role::Compute;
-        assert!(bounded, "{}: no bound of its work", desc.name);
+        assert!(bounded, "{}: no work bound", desc.name);
         let ports = desc
             .inputs
             .iter()
@@ -45,8 +45,8 @@ fn declarations_are_complete() {
     }
 }
 
-/// A sensor has nothing but out-ports; an actuator nothing but in-ports, and what the device has to say to them: one answer for
-/// each of its out-ports, an error number, a truth value about an error, or that it is done.
+/// A sensor has only out-ports. An actuator has in-ports, and out-ports only for the responses of the device: one for
+/// each declared answer, namely an error number, a Boolean about an error, or completion.
 #[test]
 fn sensors_only_give_and_actuators_only_take() {
     let (mut sensors, mut actuators) = (0, 0);
@@ -56,15 +56,15 @@ fn sensors_only_give_and_actuators_only_take() {
         match desc.role {
             Role::Sensor(_) => {
                 sensors += 1;
-                assert!(desc.inputs.is_empty(), "{} takes", desc.name);
-                assert!(!names.is_empty(), "{} gives nothing", desc.name);
+                assert!(desc.inputs.is_empty(), "{} has in-ports", desc.name);
+                assert!(!names.is_empty(), "{} has no out-ports", desc.name);
             }
             Role::Actuator(device) => {
                 actuators += 1;
-                assert!(!desc.inputs.is_empty(), "{} takes nothing", desc.name);
+                assert!(!desc.inputs.is_empty(), "{} has no in-ports", desc.name);
                 assert_eq!(names.len(), device.answers.len(), "{}", desc.name);
                 let answers = names.iter().all(|name| is_answer(name));
-                assert!(answers, "{} gives {names:?}", desc.name);
+                assert!(answers, "{} has the out-ports {names:?}", desc.name);
             }
             _ => {}
         }
@@ -72,13 +72,13 @@ fn sensors_only_give_and_actuators_only_take() {
     assert!(sensors > 5 && actuators > 5, "{sensors} and {actuators}");
 }
 
-/// The names of what a device says to a set-point.
+/// Returns whether a port name denotes a response of a device to a set-point.
 fn is_answer(name: &str) -> bool {
     let name = name.trim_start_matches("out");
     name.starts_with("Error") || ["Completed", "Success", "Finished", "StatusCode"].contains(&name)
 }
 
-/// What other crates say of a primitive is its name, and the name is in the registry.
+/// Other crates refer to primitives by name, and the names must be registered.
 #[test]
 fn names_in_other_crates_are_registered() {
     for file in source_files()
@@ -113,7 +113,7 @@ fn every_difference_to_the_reference_names_a_test_that_exists() {
     }
 }
 
-/// Whole string literals of the form `"Core::Something"` or `"Rpi::Something"`.
+/// Returns all string literals of the form `"Core::Something"` or `"Rpi::Something"`.
 fn quoted_names(text: &str) -> impl Iterator<Item = &str> {
     let literals = text
         .lines()

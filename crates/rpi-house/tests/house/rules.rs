@@ -1,9 +1,9 @@
-//! `ARCHITECTURE.md` names a test for each of its rules, and the tests exist.
+//! `ARCHITECTURE.md` must name existing tests for each of its rules.
 
 use rpi_house::functions;
 use rpi_testkit::workspace_root;
 
-/// How many rules carry the house.
+/// Number of rules.
 const RULES: usize = 10;
 
 #[test]
@@ -26,7 +26,7 @@ fn every_rule_names_tests_that_exist() {
     }
 }
 
-/// The numbered items of the section `## Rules`.
+/// Returns the numbered items of the section `## Rules`.
 fn rules() -> Vec<String> {
     let text =
         std::fs::read_to_string(workspace_root().join("ARCHITECTURE.md")).unwrap_or_default();
@@ -45,7 +45,7 @@ fn rules() -> Vec<String> {
     rules
 }
 
-/// Tests are named as `` `path/to/file.rs::test_name` ``.
+/// Returns the tests named as `` `path/to/file.rs::test_name` ``.
 fn named_tests(rule: &str) -> Vec<(String, String)> {
     let quoted = rule.split('`').skip(1).step_by(2);
     let named = quoted.filter_map(|word| word.split_once("::"));

@@ -1,11 +1,11 @@
-//! Every numbered rule of the semantics is held by a test that names it, and tests name only rules that there are.
+//! Every numbered rule of the semantics must be named by a test, and tests must name only existing rules.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use rpi_house::tracked_files;
 use rpi_testkit::workspace_root;
 
-/// What no test holds yet, and why.
+/// Rules that no test covers yet, with the reason.
 const OPEN: &[(&str, &str)] = &[];
 
 #[test]
@@ -28,7 +28,7 @@ fn tests_name_rules_that_there_are() {
     }
 }
 
-/// `M5.1`: the numbered items below the headings `## M5 Delay`.
+/// Returns the rule numbers, such as `M5.1`: the numbered items below headings such as `## M5 Delay`.
 fn rules() -> BTreeSet<String> {
     let path = workspace_root().join("docs/src/semantics.md");
     let text = std::fs::read_to_string(path).unwrap_or_default();
@@ -47,8 +47,8 @@ fn rules() -> BTreeSet<String> {
     rules
 }
 
-/// The rules that tests name, with the files: programs in `tests/`, the pages of findings, whose programs are tests, and Rust
-/// tests.
+/// Returns the rules named by tests, with the files: programs in `tests/`, explanation pages (whose programs are
+/// tests), and Rust tests.
 fn named() -> BTreeMap<String, BTreeSet<String>> {
     let mut named: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
     for path in tracked_files() {
@@ -73,7 +73,7 @@ fn named() -> BTreeMap<String, BTreeSet<String>> {
     named
 }
 
-/// Words of the form `M12.3` in comments and titles.
+/// Returns the words of the form `M12.3` in a text.
 fn mentioned(text: &str) -> Vec<String> {
     let is_part = |c: char| c.is_ascii_alphanumeric() || c == '.';
     let words = text.split(|c: char| !is_part(c));

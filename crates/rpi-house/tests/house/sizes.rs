@@ -1,14 +1,13 @@
-//! Habits that keep the code readable: short functions, files of one idea, modules that say what they
-//! are for.
+//! Size limits that keep the code readable: short functions, files with one topic, and modules with a description.
 
 use rpi_house::{functions, source_files};
 
-/// Lines of a function from which on it must say in [`LONG`] why it is long.
+/// Number of lines above which a function must be listed in [`LONG`] with a reason.
 const LONG_FUNCTION: usize = 60;
-/// Lines of a file, unit tests apart, from which on it must say in [`LONG`] why it is long.
+/// Number of lines, without unit tests, above which a file must be listed in [`LONG`] with a reason.
 const LONG_FILE: usize = 600;
 
-/// What may be longer, and why: a file, or `file::function`.
+/// Functions and files that may be longer, with the reason: a file, or `file::function`.
 const LONG: &[(&str, &str)] = &[];
 
 #[test]
@@ -32,7 +31,7 @@ fn functions_are_short() {
     );
     assert!(
         long.is_empty(),
-        "which table hides in these?\n{}",
+        "functions that are too long:\n{}",
         long.join("\n")
     );
 }
@@ -51,7 +50,7 @@ fn files_hold_one_idea() {
     }
     assert!(
         long.is_empty(),
-        "how many ideas are in these?\n{}",
+        "files that are too long:\n{}",
         long.join("\n")
     );
 }
@@ -66,7 +65,7 @@ fn modules_say_what_they_are_for() {
         .collect();
     assert!(
         silent.is_empty(),
-        "no words about what these are for: {silent:?}"
+        "modules without a `//!` comment: {silent:?}"
     );
 }
 

@@ -1,7 +1,6 @@
-//! What users see: each program in `tests/ui` gives the message that lies beside it, to the letter.
+//! Diagnostics as users see them: each program in `tests/ui` must give exactly the messages in the file beside it.
 //!
-//! After a change, `RPI_BLESS=1 cargo test -p rpi-house ui` writes the messages anew; read them before
-//! taking them over.
+//! After a change, `RPI_BLESS=1 cargo test -p rpi-house ui` updates the files; review them before committing.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -12,18 +11,18 @@ use rpi_testkit::{differs, files_below, workspace_root};
 
 use crate::compile::{Said, check};
 
-/// A check of a page of text takes microseconds; what takes this long makes no progress.
+/// Time limit. A check of a page of text takes microseconds; one that takes this long hangs.
 const HANG: Duration = Duration::from_secs(30);
 
 const PROGRAMS: &[&str] = &[".rpi", ".lus", ".rpinet"];
 
-/// Folders of `tests/ui` whose programs say nothing when they are checked: the tests of the tools run them.
+/// Folders of `tests/ui` whose programs pass the check; the tests of the tools run them.
 const TOLD_BY_TOOLS: &[&str] = &["emitting", "emitting_lustre", "running", "testing"];
 
-/// What no program brings about.
+/// Codes that no known program can cause.
 const NO_PROGRAM: &[Code] = &[Code::RPI7003, Code::RPI9021, Code::RPI9201, Code::RPI9901];
 
-/// The programs that are checked here.
+/// Returns the programs that are checked here.
 pub(crate) fn programs() -> Vec<PathBuf> {
     let mut paths = files_below("tests/ui", PROGRAMS);
     paths.retain(|path| {
@@ -59,7 +58,7 @@ fn there_are_programs_and_each_message_has_one() {
     assert!(stray.is_empty(), "messages without a program: {stray:?}");
 }
 
-/// A code that no program shows is one whose message nobody has seen.
+/// A code without a program has a message that nobody has reviewed.
 #[test]
 fn every_code_has_a_program() {
     let messages = files_below("tests/ui", &[".stderr"]);
@@ -75,7 +74,7 @@ fn every_code_has_a_program() {
     assert!(unseen.is_empty(), "no program in tests/ui gives {unseen:?}");
 }
 
-/// Every start of every program here and of every example gives findings or none, soon, and no panic.
+/// Every prefix of every program here and of every example must compile without a panic, within the time limit.
 #[test]
 fn no_prefix_of_a_program_makes_the_compiler_panic_or_hang() {
     let programs = [programs(), files_below("examples", PROGRAMS)].concat();
@@ -101,7 +100,7 @@ fn message(path: &Path) -> String {
     render(&findings, &sources, Style::PLAIN)
 }
 
-/// The name under which messages show a program: no folder of this machine.
+/// Returns the name under which messages show a program, without folders of this machine.
 pub(crate) fn name(path: &Path) -> String {
     let below = path
         .strip_prefix(workspace_root().join("tests/ui"))

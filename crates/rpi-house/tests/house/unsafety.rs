@@ -1,9 +1,9 @@
-//! Rule 7: `unsafe` is forbidden except in the crates that say why.
+//! Rule 7: `unsafe` is forbidden except in the listed crates.
 
 use rpi_house::{packages, source_files};
 use rpi_testkit::workspace_root;
 
-/// Crates that may hold `unsafe` code, and why.
+/// Crates that may contain `unsafe` code, with the reason.
 const ALLOWED: &[(&str, &str)] = &[];
 
 #[test]
@@ -18,13 +18,13 @@ fn the_workspace_forbids_unsafe_and_every_crate_obeys() {
         let obeys = manifest.contains("[lints]\nworkspace = true");
         assert!(
             obeys,
-            "{} does not take over the lints of the workspace",
+            "{} does not inherit the lints of the workspace",
             package.name
         );
     }
 }
 
-/// The word in all its uses; Lustre has it too, as a word in quotes.
+/// All uses of the keyword. It also occurs in quotes, because it is a keyword of Lustre.
 const FORMS: &[&str] = &[
     "unsafe {",
     "unsafe fn",
@@ -51,7 +51,7 @@ fn no_file_outside_of_the_table_says_unsafe() {
     }
 }
 
-/// Whether the form stands in the line as a word of its own, not as the end of a longer one.
+/// Returns whether the form occurs in the line as a separate word.
 fn has_word(line: &str, form: &str) -> bool {
     let in_name = |c: char| c.is_alphanumeric() || c == '_';
     line.match_indices(form)

@@ -1,11 +1,11 @@
-//! What must not stand in any file: the machine it was written on, and where it gets its packages.
+//! Text that must not occur in any file, such as paths of a development machine or addresses of package registries.
 
 use std::collections::BTreeSet;
 
 use rpi_house::tracked_files;
 use rpi_testkit::workspace_root;
 
-/// Pieces of text, cut in two so that this file does not hold them.
+/// Forbidden texts, split in two so that this file does not contain them.
 const FORBIDDEN: &[(&str, &str)] = &[
     ("/wo", "rk/"),
     ("/ho", "me/"),
@@ -19,7 +19,7 @@ const FORBIDDEN: &[(&str, &str)] = &[
     ("local", "host:8"),
 ];
 
-/// Machines write this one, and it names the registry by its nature.
+/// This file is generated and contains the registry.
 const LOCK_FILE: &str = "Cargo.lock";
 
 #[test]
@@ -44,7 +44,7 @@ fn no_file_names_a_machine_or_a_registry() {
     assert!(found.is_empty(), "{}", found.join("\n"));
 }
 
-/// What lies at the root, as `ARCHITECTURE.md` says it.
+/// Files and folders at the root, as described in `ARCHITECTURE.md`.
 const ROOT: &[&str] = &[
     ".cargo",
     ".ci",
@@ -82,7 +82,10 @@ fn nothing_lies_about_at_the_root() {
         .iter()
         .filter(|name| !ROOT.contains(&name.as_str()))
         .collect();
-    assert!(stray.is_empty(), "what are these for? {stray:?}");
+    assert!(
+        stray.is_empty(),
+        "files at the root that are not listed: {stray:?}"
+    );
 }
 
 #[test]

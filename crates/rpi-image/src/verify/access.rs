@@ -1,11 +1,12 @@
-//! Who may read and who may write a cell.
+//! Checks of read and write access to slots.
 
 use super::{Check, UNWRITTEN};
 use crate::image::Cells;
 use alloc::format;
 
 impl<'a> Check<'a> {
-    /// Operand words in range and in whole groups.
+    /// Returns the operand words in the range `words`. Reports an error if they are out of range or not whole groups of
+    /// `group` words.
     pub(super) fn words(&mut self, words: Cells, group: usize) -> Option<&'a [u32]> {
         let found = self.image.code.get(words.range());
         let whole = group > 0 && (words.len as usize).is_multiple_of(group);
@@ -19,29 +20,32 @@ impl<'a> Check<'a> {
         found.filter(|_| whole)
     }
 
-    /// Plain values: somebody has written them in an earlier step, perhaps in an earlier cycle.
+    /// Checks a read of plain values: an earlier step has a write to each slot. The value may be stale (from an earlier
+    /// cycle).
     pub(super) fn reads(&mut self, c: Cells) {
         let Some(scopes) = self.writer.get(c.range()) else {
-            return self.fail(format!("cells {}..{} are outside", c.at, c.end()));
+            return self.fail(format!("slots {}..{} are out of range", c.at, c.end()));
         };
         if let Some(k) = scopes.iter().position(|&s| s == UNWRITTEN) {
             self.fail(format!(
-                "cell {} is read before it is written",
+                "slot {} is read before it is written",
                 c.range().start + k
             ));
         }
     }
 
-    /// A Boolean that decides: written on every path that leads here.
+    /// Checks a read of a Boolean that affects control (skip, reset, presence): it must be written on every path to
+    /// this step.
     pub(super) fn decides(&mut self, cell: u32) {
         let scope = self.writer.get(cell as usize).copied();
         let written = scope.is_some_and(|scope| self.is_taken(scope));
         self.demand(written, || {
-            format!("cell {cell} decides, but is not written on every path")
+            format!("control slot {cell} is not written on every path")
         });
     }
 
-    /// True if the steps of a scope have run on every path that leads here: all its guards are known to hold.
+    /// Returns whether the steps of a scope have run on every path to this step: all guards of the scope are known to
+    /// be true.
     fn is_taken(&self, scope: u32) -> bool {
         let mut at = scope;
         while at != 0 {
@@ -65,48 +69,48 @@ impl<'a> Check<'a> {
         at == scope
     }
 
-    /// A Boolean that decides in the commit phase: the evaluation has a step that writes it.
+    /// Checks a read of a control Boolean in the commit phase: a step of the evaluation phase must write it.
     pub(super) fn decided(&mut self, cell: u32) {
         self.reads(Cells { at: cell, len: 1 });
     }
 
-    /// Constants only.
+    /// Checks that slots are constants.
     pub(super) fn constant(&mut self, c: Cells) {
         let fits = c.end() <= self.image.layout.constants;
         self.demand(fits, || {
-            format!("cells {}..{} are not constant", c.at, c.end())
+            format!("slots {}..{} are not constant", c.at, c.end())
         });
     }
 
-    /// Cells that this step alone writes.
+    /// Checks a write: no other step may write these slots.
     pub(super) fn writes(&mut self, c: Cells) {
         if c.at < self.image.layout.state {
             return self.owns(c);
         }
         let scope = self.scope;
         let Some(scopes) = self.writer.get_mut(c.range()) else {
-            return self.fail(format!("cells {}..{} are outside", c.at, c.end()));
+            return self.fail(format!("slots {}..{} are out of range", c.at, c.end()));
         };
         let again = scopes.iter().position(|&s| s != UNWRITTEN);
         scopes.fill(scope);
         if let Some(k) = again {
-            self.fail(format!("cell {} has two writers", c.range().start + k));
+            self.fail(format!("slot {} has two writers", c.range().start + k));
         }
     }
 
-    /// State cells that this step alone keeps.
+    /// Checks the use of state slots: no other step may own them.
     pub(super) fn owns(&mut self, c: Cells) {
         let first = self.image.layout.external;
         let range =
             c.at.checked_sub(first)
                 .map(|at| Cells { at, len: c.len }.range());
         let Some(flags) = range.and_then(|r| self.owned.get_mut(r)) else {
-            return self.fail(format!("cells {}..{} are not state", c.at, c.end()));
+            return self.fail(format!("slots {}..{} are not state", c.at, c.end()));
         };
         let again = flags.iter().position(|&owned| owned);
         flags.fill(true);
         if let Some(k) = again {
-            self.fail(format!("cell {} has two writers", c.at as usize + k));
+            self.fail(format!("slot {} has two writers", c.at as usize + k));
         }
     }
 }

@@ -1,14 +1,14 @@
-//! The independent verifier: what must hold of an image before a single step of it runs.
+//! Independent verifier of images. It runs before the first step of an image.
 //!
-//! It trusts nobody, least of all our own compiler, and shares no code with it. After it has passed, running the image
-//! cannot leave its memory, loop, read a value before somebody has written it, or let two steps write one cell:
+//! The verifier does not trust the compiler and shares no code with it. Running an accepted image cannot access memory
+//! out of range, loop, read a value before it is written, or write one slot from two steps:
 //!
-//! - all indices are in range, operand words fit the declarations of this build's primitives;
-//! - constants and external cells are never written, every state and value cell has at most one writer;
-//! - every value is written by an earlier step than reads it, and what decides about control (skips, resets, presence)
-//!   is written on every path to its reader (skips of one guard are taken or not taken together); only plain values may
-//!   be stale where a fragment is inactive;
-//! - skips jump forward and nest; a commit copy reads nothing that the commit phase has already overwritten.
+//! - All indices are in range. Operand words match the declarations of the primitives of this build.
+//! - Constants and external slots are never written. Every state slot and every value slot has at most one writer.
+//! - Every value is written by an earlier step than its readers. A Boolean that affects control (skip, reset, presence)
+//!   is written on every path to its reader; skips with the same guard are taken together. Only plain values may be
+//!   stale where a fragment is inactive.
+//! - Skips jump forward and nest. A commit copy does not read a slot that the commit phase has already overwritten.
 
 mod access;
 mod rows;
@@ -23,26 +23,26 @@ use alloc::vec;
 use alloc::vec::Vec;
 use core::fmt;
 
-/// How the verifier and the printer get at the declarations of the primitives.
+/// Look-up of the declaration of a primitive by registered name.
 pub type Catalogue<'a> = &'a dyn Fn(&str) -> Option<&'static PrimDesc>;
 
-/// Where something is wrong.
+/// Position of an error in an image.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum At {
-    /// In a table: its name and the index in it.
+    /// Entry of a table: name of the table and index.
     Table(&'static str, usize),
-    /// In the evaluation phase, at this step.
+    /// Step of the evaluation phase with this index.
     Step(usize),
-    /// In the commit phase, at this step.
+    /// Step of the commit phase with this index.
     Commit(usize),
 }
 
-/// Something that does not hold.
+/// Error found by the verifier.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct VerifyError {
-    /// Where.
+    /// Position of the error.
     pub at: At,
-    /// What, in words that name the cell.
+    /// Description of the error, with the numbers of the slots.
     pub what: String,
 }
 
@@ -58,10 +58,10 @@ impl fmt::Display for VerifyError {
 
 impl core::error::Error for VerifyError {}
 
-/// Checks an image against the primitives of this build.
+/// Verifies an image against the primitives of this build.
 ///
 /// # Errors
-/// Everything that does not hold, in the order of the image. Nothing of the image may be used then.
+/// Returns all errors, in the order of the image, at most 100. The image must not be used.
 pub fn verify(image: &Image, catalogue: Catalogue<'_>) -> Result<(), Vec<VerifyError>> {
     let mut check = Check::new(image);
     check.layout();
@@ -78,12 +78,12 @@ pub fn verify(image: &Image, catalogue: Catalogue<'_>) -> Result<(), Vec<VerifyE
     }
 }
 
-/// No more findings than this are collected from a hopeless image.
+/// Maximum number of collected errors.
 const ENOUGH: usize = 100;
-/// The scope of a cell that nobody has written yet.
+/// Scope of a slot that no step has written yet.
 const UNWRITTEN: u32 = u32::MAX;
 
-/// Steps that a skip jumps over.
+/// Range of steps that a skip jumps over.
 #[derive(Clone, Copy)]
 struct Scope {
     outer: u32,
@@ -92,21 +92,21 @@ struct Scope {
     is_final: bool,
 }
 
-/// The image, what was found so far, and what is known of each cell.
+/// State of the verification: the image, the errors so far and the knowledge about each slot.
 struct Check<'a> {
     image: &'a Image,
     errors: Vec<VerifyError>,
     at: At,
-    /// For each cell the scope of its writer: 0 outside of all skips. Constants and external cells have scope 0, state
-    /// cells are readable at any time.
+    /// Scope of the writer of each slot: 0 outside all skips. Constants, external slots and state slots have scope 0,
+    /// as they are readable at any time.
     writer: Vec<u32>,
-    /// For each state cell whether something owns it.
+    /// Whether each state slot has an owner.
     owned: Vec<bool>,
-    /// The root and every skip so far: what is around it and the cell that opens it.
+    /// The root scope and the scopes of all skips so far.
     scopes: Vec<Scope>,
-    /// The innermost open scope.
+    /// Index of the innermost open scope.
     scope: u32,
-    /// For each cell how many open scopes it opens: it is true here if there is one.
+    /// Number of open scopes with this guard, for each slot. The slot is known to be true here if it is not 0.
     holds: Vec<u32>,
 }
 
@@ -140,7 +140,7 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// The declarations of the primitives used; none where a primitive is unknown or another.
+    /// Returns the declarations of the used primitives; `None` for one that is unknown or has another signature.
     fn prims(&mut self, catalogue: Catalogue<'_>) -> Vec<Option<&'static PrimDesc>> {
         let mut found = Vec::with_capacity(self.image.prims.len());
         for (k, used) in self.image.prims.iter().enumerate() {
@@ -148,7 +148,7 @@ impl<'a> Check<'a> {
             let desc = catalogue(&used.name);
             let same = desc.filter(|d| signature(d) == used.signature);
             self.demand(desc.is_some(), || {
-                alloc::format!("{} is unknown", used.name)
+                alloc::format!("unknown primitive {}", used.name)
             });
             self.demand(desc.is_none() || same.is_some(), || {
                 alloc::format!("{} is declared differently in this build", used.name)

@@ -1,4 +1,4 @@
-//! Rows of equal primitives: their operand words against the declaration.
+//! Checks of [`Step::Run`](crate::Step::Run): operand words against the declaration of the primitive.
 
 use super::Check;
 use super::steps::Known;
@@ -12,7 +12,7 @@ use alloc::string::String;
 use alloc::vec::Vec;
 use alloc::{format, vec};
 
-/// What the words of one group say, where sizes depend on it; else nothing.
+/// Input types and parameters of one group of words. Both are empty if no size depends on them.
 struct Group {
     inputs: Vec<Option<Type>>,
     params: Vec<Value>,
@@ -20,6 +20,7 @@ struct Group {
 
 impl Group {
     fn new(desc: &PrimDesc) -> Self {
+        // Fixed sizes need neither types nor parameters; empty lists avoid an allocation per group.
         let (inputs, params) = match sized(desc) {
             true => (desc.inputs.len(), desc.params.len()),
             false => (0, 0),
@@ -90,7 +91,7 @@ impl Check<'_> {
         }
     }
 
-    /// Lengths and shapes as the declaration derives them.
+    /// Checks the length or shape of an output against the rule of the declaration.
     fn fits(&mut self, desc: &PrimDesc, port: usize, ty: Type, group: &Group) {
         if matches!(desc.shape, Shape::Fixed) {
             return;
@@ -101,7 +102,10 @@ impl Check<'_> {
         };
         let right = desc.out_type(port, &args) == Some(ty);
         self.demand(right, || {
-            format!("{}: {ty} does not fit its inputs", desc.outputs[port].name)
+            format!(
+                "{}: type {ty} does not match its inputs",
+                desc.outputs[port].name
+            )
         });
     }
 
@@ -116,7 +120,7 @@ impl Check<'_> {
                     dt,
                 });
                 self.demand(words[1] == right, || {
-                    format!("a state of {} cells where {right} are needed", words[1])
+                    format!("expected a state of {right} slots, found {}", words[1])
                 });
                 words[1]
             }
@@ -124,7 +128,7 @@ impl Check<'_> {
         self.owns(Cells { at: words[0], len });
     }
 
-    /// A constant; zero where it lies outside, which was found already.
+    /// Returns the value of a constant; zero if it is out of range, which is already reported.
     fn value(&self, at: u32, ty: Type) -> Value {
         let bits = |cell: u32| {
             let found = self.image.init.binary_search_by_key(&cell, |c| c.0);
@@ -146,7 +150,7 @@ fn cells(at: u32, ty: Type) -> Cells {
     }
 }
 
-/// Only computing primitives are run, in the forms that their presence rule leaves.
+/// Returns whether a primitive may run in this form: it has code, and the form matches the presence of its outputs.
 fn runs(desc: &PrimDesc, form: Form) -> bool {
     let presence = desc.outputs.iter().map(|o| o.presence);
     let strict = presence.clone().all(|p| p == Presence::Strict);
@@ -170,7 +174,7 @@ fn port_type(ty: PortType, words: &[u32]) -> Type {
     }
 }
 
-/// Texts take no word, so they never get here.
+/// Returns the type of a parameter. Texts have no operand, so the last case does not occur.
 fn param_type(ty: ParamType, words: &[u32]) -> Type {
     match ty {
         ParamType::One(s) => Type::One(s),

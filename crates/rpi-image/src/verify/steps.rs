@@ -1,4 +1,4 @@
-//! The two step lists: jumps, who writes what, and what may be read when.
+//! Checks of the two step lists: jumps, writers and the order of reads.
 
 use super::{At, Check, Scope};
 use crate::desc::PrimDesc;
@@ -7,7 +7,7 @@ use crate::operands::{Field, fields, group};
 use alloc::vec::Vec;
 use alloc::{format, vec};
 
-/// A primitive with the layouts of its two forms.
+/// Used primitive with the operand layouts of its two forms.
 pub(super) struct Known {
     pub desc: &'static PrimDesc,
     pub forms: [(Vec<Field>, usize); 2],
@@ -28,7 +28,7 @@ impl Known {
 }
 
 impl Check<'_> {
-    /// Follows the evaluation phase once, from first to last step.
+    /// Checks the evaluation phase in one pass from the first to the last step.
     pub(super) fn evaluation(&mut self, prims: &[Option<&'static PrimDesc>]) {
         let known: Vec<Option<Known>> = prims.iter().map(|p| p.map(Known::of)).collect();
         let mut used = Used::new(self.image.actuators.len(), self.image.functions.len());
@@ -60,7 +60,7 @@ impl Check<'_> {
         self.close(&mut ends, self.image.steps.len());
     }
 
-    /// Follows the commit phase: what it overwrites is state, and is not read afterwards.
+    /// Checks the commit phase: its copies write only state, and no later copy reads an overwritten slot.
     pub(super) fn commit(&mut self) {
         let mut ends = Vec::new();
         let mut gone = vec![false; self.owned.len()];
@@ -77,7 +77,7 @@ impl Check<'_> {
                 | Step::Reset { .. }
                 | Step::Actuate { .. }
                 | Step::Call { .. } => {
-                    self.fail("only skips and copies are allowed here".into());
+                    self.fail("only skips and copies are allowed in the commit phase".into());
                 }
             }
         }
@@ -88,7 +88,9 @@ impl Check<'_> {
         let outer = ends.last().map_or(len, |e| *e);
         let to = to as usize;
         if to <= pc || to > outer {
-            return self.fail(format!("a skip to {to} does not stay in front of {outer}"));
+            return self.fail(format!(
+                "skip to {to} must lie after {pc} and not beyond {outer}"
+            ));
         }
         ends.push(to);
         if let Some(count) = self.holds.get_mut(guard as usize) {
@@ -103,7 +105,8 @@ impl Check<'_> {
         });
     }
 
-    /// Whether no later step changes a cell: only state may change, and one step alone writes each cell of it.
+    /// Returns whether no later step changes a slot. Only state changes during evaluation, and each state slot has one
+    /// writer.
     fn is_final(&self, cell: u32) -> bool {
         let layout = self.image.layout;
         let state = (layout.external..layout.state).contains(&cell);
@@ -150,7 +153,7 @@ impl Check<'_> {
             });
             let stale = state(pair[0]).and_then(|k| gone.get(k)) == Some(&true);
             self.demand(!stale, || {
-                format!("cell {} was overwritten by an earlier copy", pair[0])
+                format!("slot {} was overwritten by an earlier copy", pair[0])
             });
             self.owns(Cells {
                 at: pair[1],
@@ -167,7 +170,7 @@ impl Check<'_> {
             return self.fail(format!("there is no actuator {actuator}"));
         };
         self.demand(Used::once(&mut used.actuators, actuator), || {
-            "it is set twice".into()
+            "actuator port is set twice".into()
         });
         a.inputs.iter().for_each(|c| self.reads(*c));
         a.answers
@@ -180,7 +183,7 @@ impl Check<'_> {
             return self.fail(format!("there is no function {function}"));
         };
         self.demand(Used::once(&mut used.functions, function), || {
-            "it is called twice".into()
+            "device function is called twice".into()
         });
         f.arguments.iter().for_each(|c| self.reads(*c));
         f.results.iter().for_each(|c| self.writes(*c));
@@ -193,7 +196,7 @@ impl Check<'_> {
     }
 }
 
-/// What may happen only once.
+/// Actuator ports and device functions used so far. Each may be used only once.
 struct Used {
     actuators: Vec<bool>,
     functions: Vec<bool>,
@@ -207,7 +210,7 @@ impl Used {
         }
     }
 
-    /// True the first time.
+    /// Returns true for the first use of an index, false for further uses and for an index out of range.
     fn once(flags: &mut [bool], index: u32) -> bool {
         let flag = flags.get_mut(index as usize);
         flag.is_some_and(|f| !core::mem::replace(f, true))

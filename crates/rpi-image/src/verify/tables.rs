@@ -1,29 +1,31 @@
-//! Layout, initial contents and the tables that tie the image to the outside.
+//! Checks of the memory layout, the initial contents and the tables of sensors, inputs, flows, exports and ends.
 
 use super::{At, Check, UNWRITTEN};
 use crate::image::{Cells, End, FALSE, MAX_CELLS, Signal, TRUE};
 use crate::ty::{Scalar, Type};
 use alloc::{format, vec};
 
-/// The longest period that is believed, one hour.
+/// Maximum period, one hour.
 const MAX_PERIOD_NS: u64 = 3_600_000_000_000;
 
 impl Check<'_> {
-    /// Regions and initial contents; sets up what is known of each cell.
+    /// Checks memory regions and initial contents, and initialises the knowledge about each slot.
     pub(super) fn layout(&mut self) {
         let l = self.image.layout;
         let ordered = TRUE < l.constants
             && l.constants <= l.external
             && l.external <= l.state
             && l.state <= l.cells;
-        self.demand(ordered && l.cells <= MAX_CELLS, || format!("regions {l:?}"));
+        self.demand(ordered && l.cells <= MAX_CELLS, || {
+            format!("invalid memory regions {l:?}")
+        });
         let period = self.image.period_ns;
         self.demand((1..=MAX_PERIOD_NS).contains(&period), || {
-            format!("a period of {period} ns")
+            format!("invalid period of {period} ns")
         });
         let tick = self.image.tick_ns;
         self.demand(tick > 0 && period.is_multiple_of(tick), || {
-            format!("a period of {period} ns and a tick of {tick} ns")
+            format!("the period of {period} ns is not a multiple of the tick of {tick} ns")
         });
         if self.errors.is_empty() {
             self.writer = vec![UNWRITTEN; l.cells as usize];
@@ -37,18 +39,20 @@ impl Check<'_> {
     fn init(&mut self) {
         let init = &self.image.init;
         let ascending = init.windows(2).all(|w| w[0].0 < w[1].0);
-        self.demand(ascending, || "initial contents are not in order".into());
+        self.demand(ascending, || {
+            "initial contents are not in ascending order".into()
+        });
         for (k, &(cell, bits)) in init.iter().enumerate() {
             self.at = At::Table("initial content", k);
             let fits =
                 cell != FALSE && cell < self.image.layout.state && (cell != TRUE || bits == 1);
-            self.demand(fits, || format!("cell {cell} cannot start as {bits:#x}"));
+            self.demand(fits, || format!("slot {cell} cannot start as {bits:#x}"));
         }
         let is_true = init.first() == Some(&(TRUE, 1));
-        self.demand(is_true, || format!("cell {TRUE} must start as 1"));
+        self.demand(is_true, || format!("slot {TRUE} must start as 1"));
     }
 
-    /// Tables that need no knowledge of the steps.
+    /// Checks the tables that do not depend on the steps.
     pub(super) fn tables(&mut self) {
         self.fragments();
         for (k, s) in self.image.sensors.iter().enumerate() {
@@ -73,12 +77,12 @@ impl Check<'_> {
         for (k, f) in all.iter().enumerate() {
             self.at = At::Table("fragment", k);
             let parent = f.parent.and_then(|p| all[..k].get(p as usize));
-            self.demand((k == 0) == f.parent.is_none(), || "wrong parent".into());
+            self.demand((k == 0) == f.parent.is_none(), || "invalid parent".into());
             self.demand(f.parent.is_none() || parent.is_some(), || {
-                "wrong parent".into()
+                "invalid parent".into()
             });
             let within = parent.map_or(l.external..l.state, |p| p.state.at..p.state.end());
-            // Even an empty state must not begin outside of the memory.
+            // Even an empty state must start inside the memory.
             let inside = within.start <= f.state.at || f.state.len == 0;
             let end = if f.state.len == 0 {
                 l.cells
@@ -90,7 +94,7 @@ impl Check<'_> {
                 format!("state {:?} lies outside {within:?}", f.state)
             });
             self.demand(f.active < l.cells, || {
-                format!("cell {} is outside", f.active)
+                format!("slot {} is out of range", f.active)
             });
         }
         self.demand(!all.is_empty(), || "there is no root fragment".into());
@@ -103,23 +107,23 @@ impl Check<'_> {
         let origins = &self.image.origins;
         let ascending = origins.windows(2).all(|w| w[0].0 < w[1].0);
         self.demand(ascending && origins.iter().all(|o| known(o.1)), || {
-            "wrong origins".into()
+            "invalid origins".into()
         });
         let trace = &self.image.trace;
         let fits = trace.is_empty() || trace.len() == self.image.steps.len();
         self.demand(
             fits && trace.iter().all(|&p| p == u32::MAX || known(p)),
-            || "wrong trace".into(),
+            || "invalid trace".into(),
         );
         for (k, p) in self.image.probes.iter().enumerate() {
             self.at = At::Table("probe", k);
             self.signal(p.value);
             let fits = known(p.place) && (p.fragment as usize) < self.image.fragments.len();
-            self.demand(fits, || "wrong place or fragment".into());
+            self.demand(fits, || "invalid location or fragment".into());
         }
     }
 
-    /// What is read once the steps are known: answers for it only after [`Check::evaluation`].
+    /// Checks the flows read after evaluation. Valid only after [`Check::evaluation`].
     pub(super) fn results(&mut self) {
         for (k, e) in self.image.exports.iter().enumerate() {
             self.at = At::Table("export", k);
@@ -140,22 +144,22 @@ impl Check<'_> {
         }
     }
 
-    /// A flow by which a command ends: one value.
+    /// Checks a flow that ends a command: a single value of type `scalar`.
     fn deciding(&mut self, s: Signal, scalar: Scalar) {
         let ty = s.ty;
         self.demand(ty == Type::One(scalar), || {
-            format!("a command ends by {ty}")
+            format!("expected {scalar} as the end of a command, found {ty}")
         });
         self.published(s);
     }
 
-    /// A flow that is read at the end of the cycle.
+    /// Checks a flow that is read at the end of the cycle.
     fn published(&mut self, s: Signal) {
         self.signal(s);
         self.decides(s.present);
     }
 
-    /// A flow that the core fills: external cells.
+    /// Checks a flow written by the core: it must lie in external slots.
     fn filled(&mut self, s: Signal) {
         self.external(s.cells());
         if s.present != TRUE {
@@ -170,7 +174,7 @@ impl Check<'_> {
         let l = self.image.layout;
         let fits = l.constants <= c.at && c.end() <= l.external;
         self.demand(fits, || {
-            format!("cells {}..{} are not external", c.at, c.end())
+            format!("slots {}..{} are not external", c.at, c.end())
         });
     }
 
@@ -179,7 +183,7 @@ impl Check<'_> {
         let fits = cells.end() <= self.image.layout.cells && present < self.image.layout.cells;
         self.demand(fits, || {
             format!(
-                "cells {}..{} or {present} are outside",
+                "slots {}..{} or presence slot {present} are out of range",
                 cells.at,
                 cells.end()
             )

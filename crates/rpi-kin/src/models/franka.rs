@@ -1,13 +1,13 @@
-//! Franka's Panda (FER).
+//! Franka Panda (FER).
 //!
-//! Its elbow and wrist have offsets, so there is no arm angle in the sense of [`crate::srs`] and no closed form here: poses
-//! cannot be commanded, joints can.
+//! Its elbow and wrist have offsets, so it has no arm angle in the sense of [`crate::srs`], and no closed form is
+//! implemented. Set-points must be joint positions, not poses.
 
 use crate::chain::Twist;
 use crate::model::{ArmModel, Inverse};
 use crate::{AxisLimits, Chain, Convention, Link};
 
-/// Panda, also called FER.
+/// Franka Panda, also called FER.
 pub static PANDA: ArmModel = ArmModel {
     id: "franka-panda",
     title: "Franka Panda (FER)",

@@ -1,6 +1,7 @@
-//! KUKA's six-axis industrial arms: KR 6 R900 sixx and KR 16-2.
+//! Six-axis industrial arms of KUKA: KR 6 R900 sixx and KR 16-2.
 //!
-//! All joints at zero (the vendor's count) stretch the arm out level to the front; axes 1, 4 and 6 count clockwise.
+//! With all joints at zero (as defined by the vendor), the arm is stretched out horizontally to the front. Axes 1, 4
+//! and 6 are clockwise.
 
 use crate::chain::Twist;
 use crate::model::{ArmModel, Inverse};
@@ -12,7 +13,7 @@ use core::f64::consts::FRAC_PI_2;
 pub static KR_6_R900: ArmModel = ArmModel {
     id: "kuka-kr6-r900",
     title: "KUKA KR 6 R900 sixx",
-    source: "ros-industrial/kuka_experimental; acceleration: roboticsapi/kuka-kr-api; jerk: as an iiwa's",
+    source: "ros-industrial/kuka_experimental; acceleration: roboticsapi/kuka-kr-api; jerk: not published, multiple of the iiwa",
     chain: chain(&KR_6_R900_LINKS),
     limits: &KR_6_R900_LIMITS,
     inverse: Inverse::Opw(KR_6_R900_LENGTHS),
@@ -22,7 +23,7 @@ pub static KR_6_R900: ArmModel = ArmModel {
 pub static KR_16_2: ArmModel = ArmModel {
     id: "kuka-kr16-2",
     title: "KUKA KR 16-2",
-    source: "ros-industrial/kuka_experimental; acceleration: roboticsapi/kuka-kr-api; jerk: as an iiwa's",
+    source: "ros-industrial/kuka_experimental; acceleration: roboticsapi/kuka-kr-api; jerk: not published, multiple of the iiwa",
     chain: chain(&KR_16_2_LINKS),
     limits: &KR_16_2_LIMITS,
     inverse: Inverse::Opw(KR_16_2_LENGTHS),
@@ -34,7 +35,7 @@ const KR_16_2_LENGTHS: Geometry = kr(0.260, 0.035, [0.675, 0.680, 0.670, 0.158])
 static KR_6_R900_LINKS: [Link; 6] = links(&KR_6_R900_LENGTHS);
 static KR_16_2_LINKS: [Link; 6] = links(&KR_16_2_LENGTHS);
 
-/// Full speed after half a second.
+/// Multiples of the velocity limit, in 1/s and 1/s²: full speed after 0.5 s, full acceleration after 0.1 s.
 const ACCELERATION: f64 = 2.0;
 const JERK: f64 = 20.0;
 
@@ -68,7 +69,7 @@ const fn chain(links: &'static [Link]) -> Chain {
     }
 }
 
-/// Axis 2 counts from level, a quarter turn before upright.
+/// Returns the geometry. The zero of axis 2 is horizontal, a quarter turn from the canonical upright zero.
 const fn kr(a1: f64, a2: f64, [c1, c2, c3, c4]: [f64; 4]) -> Geometry {
     Geometry {
         a1,
@@ -83,7 +84,8 @@ const fn kr(a1: f64, a2: f64, [c1, c2, c3, c4]: [f64; 4]) -> Geometry {
     }
 }
 
-/// The same arm as a table: rows turn about z, so axes 2 and 3 bring their quarter turns along.
+/// Returns the Denavit-Hartenberg rows of a geometry. Rows rotate about z, so axes 2 and 3 need offsets of a quarter
+/// turn.
 const fn links(of: &Geometry) -> [Link; 6] {
     let [s, o] = [of.sense, of.offset];
     [

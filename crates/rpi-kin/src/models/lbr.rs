@@ -1,14 +1,14 @@
-//! KUKA's seven-axis lightweight arms: LWR 4+, LBR iiwa 7 and 14.
+//! Seven-axis light-weight arms of KUKA: LWR 4+, LBR iiwa 7 and LBR iiwa 14.
 //!
-//! All three are S-R-S arms without offsets, alike but for lengths and for the sense in which axes 2, 4 and 6 count: a
-//! positive angle of an iiwa's axis 2 leans the arm towards +x, of an LWR's towards -x.
+//! All three are S-R-S arms without offsets. They differ in their lengths and in the sense of axes 2, 4 and 6: a
+//! positive angle of axis 2 moves an iiwa towards +x, and an LWR towards -x.
 
 use crate::chain::Twist;
 use crate::model::{ArmModel, Inverse};
 use crate::srs::Geometry;
 use crate::{AxisLimits, Chain, Convention, Link};
 
-/// LBR iiwa 7 R800.
+/// KUKA LBR iiwa 7 R800.
 pub static IIWA_7: ArmModel = ArmModel {
     id: "kuka-iiwa-7",
     title: "KUKA LBR iiwa 7 R800",
@@ -18,7 +18,7 @@ pub static IIWA_7: ArmModel = ArmModel {
     inverse: Inverse::Srs(IIWA_7_LENGTHS.geometry()),
 };
 
-/// LBR iiwa 14 R820.
+/// KUKA LBR iiwa 14 R820.
 pub static IIWA_14: ArmModel = ArmModel {
     id: "kuka-iiwa-14",
     title: "KUKA LBR iiwa 14 R820",
@@ -28,7 +28,7 @@ pub static IIWA_14: ArmModel = ArmModel {
     inverse: Inverse::Srs(IIWA_14_LENGTHS.geometry()),
 };
 
-/// LWR 4+.
+/// KUKA LWR 4+.
 pub static LWR_4_PLUS: ArmModel = ArmModel {
     id: "kuka-lwr4+",
     title: "KUKA LWR 4+",
@@ -64,7 +64,7 @@ static IIWA_7_LINKS: [Link; 7] = IIWA_7_LENGTHS.links();
 static IIWA_14_LINKS: [Link; 7] = IIWA_14_LENGTHS.links();
 static LWR_4_PLUS_LINKS: [Link; 7] = LWR_4_PLUS_LENGTHS.links();
 
-/// Full speed after a third of a second, full acceleration after 0.15 s.
+/// Multiples of the velocity limit, in 1/s and 1/s²: full speed after 1/3 s, full acceleration after 0.15 s.
 const ACCELERATION: f64 = 3.0;
 const JERK: f64 = 20.0;
 
@@ -94,7 +94,8 @@ const fn iiwa_limits(velocity: [f64; 7]) -> [AxisLimits; 7] {
     ]
 }
 
-/// The LWR's acceleration is given as 4 rad/s^2 for every axis. No jerk is published: the iiwa's ratio stands in.
+/// Returns the limits of an axis of the LWR. Its acceleration is published as 4 rad/s² for every axis. Its jerk is not
+/// published; the multiple of the iiwa replaces it.
 const fn lwr_limits(bound: f64, velocity: f64) -> AxisLimits {
     let limits = AxisLimits::degrees(-bound, bound, velocity);
     limits.changing(4.0, JERK * limits.velocity)
@@ -108,20 +109,20 @@ const fn chain(links: &'static [Link]) -> Chain {
     }
 }
 
-/// What distinguishes one of these arms from another.
+/// Parameters that distinguish these arms.
 #[derive(Clone, Copy)]
 struct Lbr {
-    /// Base to shoulder, shoulder to elbow, elbow to wrist, wrist to flange, in m.
+    /// Distances base to shoulder, shoulder to elbow, elbow to wrist and wrist to flange, in m.
     base: f64,
     upper: f64,
     fore: f64,
     hand: f64,
-    /// +1 if a positive angle of axis 2 leans the arm towards +x, else -1.
+    /// Sense of axis 2: +1 if a positive angle moves the arm towards +x, else -1.
     leans: f64,
 }
 
 impl Lbr {
-    /// Standard rows: lengths on every other row, quarter turns between all.
+    /// Returns the standard Denavit-Hartenberg rows: lengths on every other row, quarter turns between the axes.
     const fn links(self) -> [Link; 7] {
         let (over, back) = if self.leans > 0.0 {
             (Twist::MINUS_90, Twist::PLUS_90)

@@ -1,15 +1,15 @@
-//! Universal Robots' UR5e.
+//! UR5e of Universal Robots.
 
 use crate::chain::Twist;
 use crate::model::{ArmModel, Inverse};
 use crate::ur::Geometry;
 use crate::{AxisLimits, Chain, Convention, Link};
 
-/// UR5e.
+/// Universal Robots UR5e.
 pub static UR5E: ArmModel = ArmModel {
     id: "ur5e",
     title: "Universal Robots UR5e",
-    source: "UniversalRobots/Universal_Robots_ROS2_Description; acceleration and jerk: not published, as an iiwa's",
+    source: "UniversalRobots/Universal_Robots_ROS2_Description; acceleration and jerk: not published, multiples of the iiwa",
     chain: Chain {
         convention: Convention::Standard,
         links: &LINKS,

@@ -1,16 +1,16 @@
-//! The eight sets of joints for one pose and one place of the elbow.
+//! The eight solutions for one pose and one position of the elbow.
 
 use super::{Joints, Reach};
 use crate::angle::HALF_TURN;
 use crate::ball::{self, Ball, STRAIGHT};
 use nalgebra::Vector3;
 
-/// One of the eight: which of shoulder, elbow and wrist bend in the negative sense of the canonical chain.
+/// One of the eight solutions, identified by the axes (2, 4, 6) that bend in the negative sense of the canonical chain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Branch(u8);
 
 impl Branch {
-    /// All eight, the one without a negative bend first.
+    /// All eight branches. The first one has no negative bend.
     pub const ALL: [Self; 8] = [
         Self(0),
         Self(1),
@@ -22,32 +22,32 @@ impl Branch {
         Self(7),
     ];
 
-    /// Its place in [`ALL`](Self::ALL).
+    /// Returns the index in [`ALL`](Self::ALL).
     #[must_use]
     pub const fn index(self) -> usize {
         self.0 as usize
     }
 
-    /// Axis 2 bends in the negative sense.
+    /// Returns whether axis 2 (shoulder) bends in the negative sense.
     #[must_use]
     pub const fn shoulder(self) -> bool {
         self.0 & 1 != 0
     }
 
-    /// Axis 4 bends in the negative sense.
+    /// Returns whether axis 4 (elbow) bends in the negative sense.
     #[must_use]
     pub const fn elbow(self) -> bool {
         self.0 & 2 != 0
     }
 
-    /// Axis 6 bends in the negative sense.
+    /// Returns whether axis 6 (wrist) bends in the negative sense.
     #[must_use]
     pub const fn wrist(self) -> bool {
         self.0 & 4 != 0
     }
 
-    /// This branch's canonical angles from those of the first, not wrapped: bending the other way means turning both
-    /// neighbours by half a turn.
+    /// Returns the canonical angles of this branch from those of the first one, not wrapped. The opposite bend needs
+    /// half a turn of both adjacent axes.
     #[must_use]
     pub fn of(self, first: &Joints) -> Joints {
         let bend = |negative: bool, angle: f64| if negative { -angle } else { angle };
@@ -70,11 +70,12 @@ impl Branch {
     }
 }
 
-/// The canonical angles of the first branch, for a pose and the elbow's direction from the line (a unit vector).
-/// Turns that the pose leaves open, next to a straight shoulder, elbow or wrist, are taken from `hint` (canonical angles).
+/// Returns the canonical angles of the first branch, for a pose and the direction of the elbow from the line (a unit
+/// vector). Angles that the pose does not determine, next to a straight shoulder, elbow or wrist, are taken from `hint`
+/// (canonical angles).
 ///
-/// Each joint is found from what those before it leave over. Near a straight joint the single turns are ill defined, but
-/// the later one makes up for the error of the earlier one, and the pose stays exact.
+/// Each joint is computed from the remaining rotation after the previous joints. Near a straight joint the single
+/// angles are ill-conditioned, but a later joint compensates the error of an earlier one, so that the pose stays exact.
 #[must_use]
 pub fn first_branch(reach: &Reach, elbow: &Vector3<f64>, hint: &Joints) -> Joints {
     let upper = reach.axis * reach.lift.cos + elbow * reach.lift.sin;
@@ -95,7 +96,7 @@ pub fn first_branch(reach: &Reach, elbow: &Vector3<f64>, hint: &Joints) -> Joint
     [shoulder.turn, shoulder.bend, p3, p4, p5, p6, p7]
 }
 
-/// The direction of the forearm: the upper arm's, bent at the elbow back towards the line.
+/// Returns the direction of the forearm.
 fn forearm(reach: &Reach, elbow: &Vector3<f64>) -> Vector3<f64> {
     let tilt = reach.lift.minus(reach.bend);
     reach.axis * tilt.cos + elbow * tilt.sin

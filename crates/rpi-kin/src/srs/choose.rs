@@ -1,14 +1,14 @@
-//! Which of all solutions the hint asks for.
+//! Choice among all solutions by a hint.
 //!
-//! In this order, the first that has every joint in its range:
+//! The first of these rules with a solution that has all joints in range:
 //!
-//! 1. the arm angle of the hint and, of the eight branches, the one nearest to it;
-//! 2. the same branch, every joint at most half a turn from the hint, the arm angle moved the least;
-//! 3. any branch, the arm angle moved the least, and of several branches there the one nearest to the hint.
+//! 1. The arm angle of the hint and, of the eight branches, the one nearest to the hint.
+//! 2. The same branch with every joint at most half a turn from the hint and the smallest change of the arm angle.
+//! 3. Any branch with the smallest change of the arm angle; of several branches, the one nearest to the hint.
 //!
-//! Nearest means: the smallest largest difference of a joint, each joint taken at the whole turn nearest to the hint (for
-//! 3, nearest within its range). So a path that stays in range keeps its configuration, and one that meets the end of a
-//! range swings its elbow instead of jumping.
+//! The distance is the largest difference of a joint, with each joint moved by full turns to the value nearest to the
+//! hint (for rule 3, within its range). So a path that stays in range keeps its configuration. A path that meets a
+//! limit moves the elbow instead of jumping.
 
 use super::branches::{Branch, first_branch};
 use super::elbow::{Circle, Elbow};
@@ -17,24 +17,25 @@ use super::{Geometry, Joints, Reach};
 use crate::angle::{HALF_TURN, SinCos, nearest_turn, turn_within, wrap};
 use crate::{NoSolution, Range, Transform};
 
-/// How far inside a range a joint is put that has to stand at its end, in rad: more than rounding, less than any use.
+/// Distance from a limit, in rad, at which a joint is placed that must be at the limit: larger than rounding errors,
+/// too small to matter in practice.
 const INSIDE: f64 = 1e-9;
 
-/// One set of joints that reaches the pose.
+/// Solution of the inverse kinematics.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Choice {
-    /// The joint values, in rad.
+    /// Joint values, rad.
     pub joints: Joints,
-    /// The arm angle, in rad.
+    /// Arm angle, rad.
     pub arm_angle: f64,
-    /// How far the arm angle was moved from the hint's, in rad; 0 if it was kept.
+    /// Change of the arm angle from that of the hint, rad; 0 if it is kept.
     pub moved: f64,
-    /// Which of the eight.
+    /// Branch of the solution.
     pub branch: Branch,
 }
 
 impl Geometry {
-    /// The joints that put the flange at `flange` (in the base), chosen by `hint` (rad) within `ranges`.
+    /// Returns the joint values for a pose of the flange in the base frame, chosen by `hint` (rad) within `ranges`.
     ///
     /// # Errors
     /// [`NoSolution::OutOfReach`], [`NoSolution::OutOfLimits`], or [`NoSolution::NotFinite`].
@@ -47,7 +48,7 @@ impl Geometry {
         self.inverse_with_elbow(flange, hint, hint, ranges)
     }
 
-    /// As [`inverse`](Self::inverse), with the arm angle of other joints, `elbow`, than the hint's.
+    /// As [`inverse`](Self::inverse), but with the arm angle of the joint values `elbow` instead of those of the hint.
     ///
     /// # Errors
     /// As [`inverse`](Self::inverse).
@@ -75,8 +76,8 @@ impl Geometry {
         })
     }
 
-    /// All eight sets of joints for a pose and an arm angle, in rad within half a turn, ranges left aside. Turns that
-    /// the pose leaves open are zero.
+    /// Returns all eight solutions for a pose and an arm angle, in rad within half a turn, without regard to ranges.
+    /// Angles that the pose does not determine are 0.
     ///
     /// # Errors
     /// [`NoSolution::OutOfReach`] or [`NoSolution::NotFinite`].
@@ -87,14 +88,14 @@ impl Geometry {
         Ok(Branch::ALL.map(|branch| self.counted(&branch.of(&first).map(wrap))))
     }
 
-    /// The arm angle of a set of joints, in rad; 0 if the forearm is folded back onto the shoulder.
+    /// Returns the arm angle of a set of joint values, in rad; 0 if the forearm is folded back to the shoulder.
     #[must_use]
     pub fn arm_angle(&self, joints: &Joints) -> f64 {
         Elbow::of(self, &self.counted(joints)).map_or(0.0, |elbow| elbow.arm_angle().angle())
     }
 }
 
-/// One call's data: everything in canonical angles.
+/// Data of one search, in canonical angles.
 struct Search<'a> {
     reach: &'a Reach,
     circle: Circle,
@@ -143,12 +144,12 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Rule 1.
+    /// Applies rule 1: keeps the arm angle.
     fn kept(&self) -> Option<Choice> {
         self.fits(&self.nearest.joints).then_some(self.nearest)
     }
 
-    /// Rules 2 and 3.
+    /// Applies rules 2 and 3: changes the arm angle.
     fn moved(&self) -> Option<Choice> {
         let near = core::array::from_fn(|axis| self.near_hint(axis));
         let own = [self.nearest.branch];
@@ -162,7 +163,7 @@ impl<'a> Search<'a> {
             })
     }
 
-    /// The part of an axis's range that is at most half a turn from the hint.
+    /// Returns the part of the range of an axis that is at most half a turn from the hint.
     fn near_hint(&self, axis: usize) -> Range {
         let (range, hint) = (self.ranges[axis], self.hint[axis]);
         Range {
@@ -171,7 +172,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The arm angles at which a joint just enters its range, nearest to the kept one first.
+    /// Returns the arm angles at which a joint enters its range, in order of their distance from the kept arm angle.
     fn candidates(&self, ranges: &[Range; 7]) -> [f64; CROSSINGS] {
         let inner = ranges.map(|range| range.shrunk(INSIDE));
         let mut angles = crossings(self.reach, &self.circle, &inner);
@@ -183,7 +184,7 @@ impl<'a> Search<'a> {
         wrap(arm_angle - self.nearest.arm_angle).abs()
     }
 
-    /// The nearest of `branches` at an arm angle with all joints in `ranges`, if any.
+    /// Returns the solution of `branches` nearest to the hint at an arm angle, with all joints in `ranges`.
     fn at(&self, arm_angle: f64, branches: &[Branch], ranges: &[Range; 7]) -> Option<Choice> {
         if arm_angle.is_nan() {
             return None;
@@ -223,7 +224,7 @@ impl<'a> Search<'a> {
     }
 }
 
-/// The candidate whose largest difference from the hint is smallest; of equals the first.
+/// Returns the candidate with the smallest distance from the hint; the first one of several.
 fn nearest(
     candidates: impl Iterator<Item = (Branch, Joints)>,
     hint: &Joints,

@@ -1,15 +1,15 @@
-//! Where the elbow stands on its circle about the line from shoulder to wrist.
+//! Position of the elbow on its circle about the line from shoulder to wrist.
 
 use super::{Geometry, Joints};
 use crate::angle::SinCos;
 use nalgebra::Vector3;
 
-/// Below this length of its horizontal part, the line from shoulder to wrist counts as vertical: "up" is then not a
-/// direction about it any more.
+/// Length of the horizontal part below which the line from shoulder to wrist counts as vertical. There, "up" is not
+/// defined on the circle.
 const VERTICAL: f64 = 1e-9;
 
-/// The circle on which the elbow can stand: its axis, the side of it that looks up and the side a quarter turn further.
-/// All three are unit vectors at right angles to each other.
+/// Circle of possible elbow positions: its axis, its upward direction, and the direction a quarter turn from it. All
+/// three are orthogonal unit vectors.
 #[derive(Clone, Copy, Debug)]
 pub struct Circle {
     pub(super) axis: Vector3<f64>,
@@ -19,7 +19,8 @@ pub struct Circle {
 }
 
 impl Circle {
-    /// About the unit vector `axis`. Where that is vertical, the base's x, turned into the circle, stands for "up".
+    /// Creates the circle about the unit vector `axis`. If the axis is vertical, x of the base frame, rotated into the
+    /// plane of the circle, replaces the upward direction.
     #[must_use]
     pub fn about(axis: Vector3<f64>) -> Self {
         let level = libm::sqrt(axis.x * axis.x + axis.y * axis.y);
@@ -38,13 +39,14 @@ impl Circle {
         }
     }
 
-    /// The direction on the circle at an arm angle: a unit vector.
+    /// Returns the unit vector on the circle at an arm angle.
     #[must_use]
     pub fn direction(&self, arm_angle: SinCos) -> Vector3<f64> {
         self.up * arm_angle.cos + self.side * arm_angle.sin
     }
 
-    /// The arm angle of a direction, whatever its length and its part along the axis. `None` if it has no other part.
+    /// Returns the arm angle of a direction, ignoring its length and its part along the axis. `None` if it is parallel
+    /// to the axis.
     #[must_use]
     pub fn arm_angle(&self, direction: &Vector3<f64>) -> Option<SinCos> {
         let (cos, sin) = (direction.dot(&self.up), direction.dot(&self.side));
@@ -56,17 +58,17 @@ impl Circle {
     }
 }
 
-/// The elbow of a given set of joints.
+/// Elbow position of a set of joint values.
 #[derive(Clone, Copy, Debug)]
 pub struct Elbow {
     circle: Circle,
-    /// From the line to the elbow: a unit vector. For a straight arm the side to which the elbow would leave the line if
-    /// it bent in its present sense.
+    /// Unit vector from the line to the elbow. For a straight arm, the direction in which the elbow would leave the
+    /// line if it bent in its present sense.
     direction: Vector3<f64>,
 }
 
 impl Elbow {
-    /// Of the canonical angles `p`. `None` if the forearm is folded back onto the shoulder.
+    /// Computes the elbow position of the canonical angles `p`. `None` if the forearm is folded back to the shoulder.
     #[must_use]
     pub fn of(geometry: &Geometry, p: &Joints) -> Option<Self> {
         let (upper, front) = upper_arm(p);
@@ -78,7 +80,7 @@ impl Elbow {
             return None;
         }
         let axis = (upper * along + front * across) / distance;
-        // A straight arm's sense is the sign of its zero.
+        // The sense of a straight arm is the sign of its zero.
         let away = if s4.sin.is_sign_negative() { 1.0 } else { -1.0 };
         let direction = (front * along - upper * across) * (away / distance);
         Some(Self {
@@ -87,7 +89,7 @@ impl Elbow {
         })
     }
 
-    /// The arm angle, zero where the elbow looks up.
+    /// Returns the arm angle; 0 if the elbow points up.
     #[must_use]
     pub fn arm_angle(&self) -> SinCos {
         self.circle
@@ -95,8 +97,8 @@ impl Elbow {
             .unwrap_or(SinCos { sin: 0.0, cos: 1.0 })
     }
 
-    /// The arm angle that keeps this elbow on another circle: the same angle, or, where one of the two lines is vertical
-    /// and angles do not compare, the same side in space.
+    /// Returns the arm angle that keeps this elbow on another circle: the same angle or, if one of both lines is
+    /// vertical and the angles are not comparable, the same direction in space.
     #[must_use]
     pub fn kept_on(&self, circle: &Circle) -> SinCos {
         let by_side = if self.circle.vertical || circle.vertical {
@@ -108,7 +110,8 @@ impl Elbow {
     }
 }
 
-/// The direction of the upper arm and the side of it to which a positive bend of the elbow tilts the forearm.
+/// Returns the direction of the upper arm, and the orthogonal direction to which a positive bend of the elbow tilts the
+/// forearm.
 fn upper_arm(p: &Joints) -> (Vector3<f64>, Vector3<f64>) {
     let (s1, s2, s3) = (SinCos::of(p[0]), SinCos::of(p[1]), SinCos::of(p[2]));
     let upper = Vector3::new(s1.cos * s2.sin, s1.sin * s2.sin, s2.cos);

@@ -1,7 +1,7 @@
-//! For which arm angles a joint stands at an end of its range.
+//! Arm angles at which a joint is at a limit of its range.
 //!
-//! All entries of the rotations that the joints make up are of the form `c + a cos(psi) + b sin(psi)` in the arm angle
-//! psi. So is the condition that a joint stands at a given value, and it has at most two solutions.
+//! Each entry of the rotations of the joints has the form `c + a cos(psi) + b sin(psi)`, where psi is the arm angle.
+//! The condition that a joint has a given value has the same form, and therefore at most two solutions.
 
 use super::elbow::Circle;
 use super::{Joints, Reach};
@@ -9,10 +9,11 @@ use crate::Range;
 use crate::angle::SinCos;
 use nalgebra::Vector3;
 
-/// How many arm angles there can be: two for each end of six ranges (the elbow's bend does not depend on the arm angle).
+/// Maximum number of arm angles: two for each limit of six ranges. The bend of the elbow does not depend on the arm
+/// angle.
 pub const CROSSINGS: usize = 24;
 
-/// `constant + cos * cos(psi) + sin * sin(psi)`.
+/// Function `constant + cos * cos(psi) + sin * sin(psi)` of the arm angle psi.
 #[derive(Clone, Copy, Debug)]
 struct Wave {
     constant: f64,
@@ -29,17 +30,17 @@ impl Wave {
         }
     }
 
-    /// Where it takes the value zero; NaN where it does not.
+    /// Returns the two zeros; NaN if there are none.
     fn zeros(self) -> [f64; 2] {
         let height = libm::sqrt(self.cos * self.cos + self.sin * self.sin);
         let middle = libm::atan2(self.sin, self.cos);
-        // The arc cosine of what is out of its domain is NaN: no zero.
+        // The arc cosine outside its domain is NaN, which means no zero.
         let half = libm::acos(-self.constant / height);
         [middle - half, middle + half]
     }
 }
 
-/// A vector that turns with the elbow: parts along the line, towards the elbow and across both.
+/// Vector that rotates with the elbow: components along the line, towards the elbow, and orthogonal to both.
 #[derive(Clone, Copy)]
 struct Spoke {
     along: f64,
@@ -58,7 +59,7 @@ impl Spoke {
     }
 }
 
-/// The frame of a limb that stands at an angle from the line: its z along the limb, its y across the arm's plane.
+/// Frame of a limb at a fixed angle from the line: z along the limb, y orthogonal to the plane of the arm.
 struct Limb {
     x: Spoke,
     y: Spoke,
@@ -87,8 +88,8 @@ impl Limb {
     }
 }
 
-/// The arm angles, wrapped or not, at which some joint stands at an end of its range, whatever the branch. `ranges` are
-/// those of the canonical angles. Entries that do not exist are NaN.
+/// Returns the arm angles, not necessarily wrapped, at which a joint is at a limit of its range, for any branch.
+/// `ranges` are those of the canonical angles. Entries that do not exist are NaN.
 #[must_use]
 pub fn crossings(reach: &Reach, circle: &Circle, ranges: &[Range; 7]) -> [f64; CROSSINGS] {
     let upper = Limb::tilted(reach.lift);
@@ -117,12 +118,12 @@ fn ends(range: Range) -> [SinCos; 2] {
     [SinCos::of(range.lower), SinCos::of(range.upper)]
 }
 
-/// Where the direction (cos, sin), of whatever length, points along `end` or away from it.
+/// Returns the arm angles at which the direction (cos, sin), of any length, is parallel or antiparallel to `end`.
 fn turn_at(sin: Wave, cos: Wave, end: SinCos) -> [f64; 2] {
     sin.scaled_sum(end.cos, cos, -end.sin).zeros()
 }
 
-/// Where a cosine is that of `end`.
+/// Returns the arm angles at which a cosine equals that of `end`.
 fn bend_at(cos: Wave, end: SinCos) -> [f64; 2] {
     Wave {
         constant: cos.constant - end.cos,
@@ -139,7 +140,7 @@ fn collect(angles: impl Iterator<Item = f64>) -> [f64; CROSSINGS] {
     all
 }
 
-/// The ranges of the canonical angles from those of the joints.
+/// Converts the ranges of joint values to ranges of canonical angles.
 #[must_use]
 pub fn canonical_ranges(ranges: &[Range; 7], sense: &Joints) -> [Range; 7] {
     core::array::from_fn(|axis| {

@@ -1,11 +1,12 @@
-//! The recorded calls of `InvKin` in the nets and traces beside the project: pose and hint in, joints out.
+//! Recorded calls of `InvKin` in the nets and traces stored with the project: pose and hint as inputs, joints as
+//! output.
 
 use nalgebra::{Translation3, UnitQuaternion};
 use rpi_kin::Pose;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// One call.
+/// Recorded call.
 #[derive(Debug)]
 pub(crate) struct Row {
     pub(crate) place: String,
@@ -14,10 +15,10 @@ pub(crate) struct Row {
     pub(crate) joints: [f64; 7],
 }
 
-/// Values of one cycle by port, `path.port`.
+/// Values of one cycle by port name, `path.port`.
 type Cycle = BTreeMap<String, String>;
 
-/// All calls whose inputs were recorded too.
+/// Returns all calls with recorded inputs.
 pub(crate) fn all(nets: &Path) -> Vec<Row> {
     let mut rows = Vec::new();
     for net in files(&nets.join("corpus/nets")) {
@@ -60,7 +61,7 @@ fn of_net(net: &Path, cycles: &BTreeMap<u32, Cycle>) -> Vec<Row> {
     .collect()
 }
 
-/// A call in the net's text: its name and the ports that feed it.
+/// Call in the text of a net: its name and the ports connected to its inputs.
 struct Call {
     name: String,
     frame: String,
@@ -88,7 +89,7 @@ impl Call {
         })
     }
 
-    /// The input as it was recorded at the call, or else at its source.
+    /// Returns the recorded value of an input, at the call or else at its source.
     fn input<'a>(&self, ports: &'a Cycle, port: &str, source: &str) -> Option<&'a str> {
         ports
             .get(&format!("{}.{port}", self.name))
@@ -97,7 +98,7 @@ impl Call {
     }
 }
 
-/// A trace: cycle, then either `path.port value` or `primitive,type,port,"value"`.
+/// Reads a trace. Each line has the cycle and `path.port value` or `primitive,type,port,"value"`.
 fn cycles(trace: &Path, separator: char) -> BTreeMap<u32, Cycle> {
     let mut cycles = BTreeMap::<u32, Cycle>::new();
     let text = rpi_testkit::read_maybe_gz(trace).unwrap_or_default();
@@ -140,7 +141,7 @@ fn name(net: &Path) -> String {
     file.trim_end_matches(".rpinet.gz").to_owned()
 }
 
-/// All numbers in a text like `{pos:{x:1.0,y:2.0E-5,z:-3.0},rot:{a:0.0,b:nan,c:1.0}}` or `[1.0,2.0]`.
+/// Returns all numbers in a text such as `{pos:{x:1.0,y:2.0E-5,z:-3.0},rot:{a:0.0,b:nan,c:1.0}}` or `[1.0,2.0]`.
 fn numbers(text: &str) -> Vec<f64> {
     text.split([',', ':', '{', '}', '[', ']'])
         .filter_map(|part| part.trim().parse().ok())
@@ -151,7 +152,7 @@ fn joints(text: &str) -> Option<[f64; 7]> {
     numbers(text).try_into().ok()
 }
 
-/// Position and KUKA's angles: `Rz(a) Ry(b) Rx(c)`.
+/// Reads a position and Euler angles in the convention of KUKA: `Rz(a) Ry(b) Rx(c)`.
 fn pose(text: &str) -> Pose {
     let all = numbers(text);
     let [x, y, z, a, b, c] = all[..] else {

@@ -1,7 +1,7 @@
 use super::*;
 use rpi_prims::flow::Rotation;
 
-/// Type, and texts of it that are written back as they are.
+/// Scalar types with texts that are written back unchanged after parsing.
 const SAME: &[(Scalar, &[&str])] = &[
     (Scalar::Bool, &["true", "false"]),
     (Scalar::Int, &["0", "-7", "9223372036854775807"]),

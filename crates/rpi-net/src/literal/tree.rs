@@ -1,11 +1,11 @@
-//! The shape of a value's text: words, objects and arrays.
+//! Syntax tree of the text of a value: words, objects and arrays.
 
 use super::LiteralError;
 
-/// Deeper nesting than any value has is refused, so that no text can exhaust the stack.
+/// Maximal nesting depth. Deeper nesting than any type has is rejected, so that no text can overflow the stack.
 const MAX_DEPTH: usize = 8;
 
-/// A text taken apart.
+/// Parsed text. Each variant starts with its byte offset.
 pub(super) enum Tree<'a> {
     Word(usize, &'a str),
     Object(usize, Vec<(&'a str, Tree<'a>)>),
@@ -17,14 +17,14 @@ impl<'a> Tree<'a> {
         matches!(self, Tree::Word(_, "null"))
     }
 
-    /// Where it begins.
+    /// Byte offset at which the element begins.
     fn at(&self) -> usize {
         match self {
             Tree::Word(at, _) | Tree::Object(at, _) | Tree::Array(at, _) => *at,
         }
     }
 
-    /// The value of a single word that `read` understands.
+    /// Returns the value that `read` makes of a single word; an error if this is not a word or `read` returns `None`.
     pub(super) fn word<T>(
         &self,
         what: &str,
@@ -44,7 +44,7 @@ impl<'a> Tree<'a> {
         }
     }
 
-    /// The fields of these names; exactly these must be there, in any order.
+    /// Returns the fields with these names. Exactly these fields must be present, in any order.
     pub(super) fn fields<const N: usize>(
         &self,
         names: [&str; N],
@@ -63,7 +63,7 @@ impl<'a> Tree<'a> {
     }
 }
 
-/// Takes a whole text apart.
+/// Parses a whole text into its tree.
 pub(super) fn parse(text: &str) -> Result<Tree<'_>, LiteralError> {
     let mut reader = Reader { text, at: 0 };
     let tree = reader.term(0)?;

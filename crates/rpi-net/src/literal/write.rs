@@ -1,10 +1,10 @@
-//! Writing values as texts that read back to the same bits (rotations: to the same rotation).
+//! Formats values as texts that parse to the same bits (rotations: to the same rotation).
 
 use rpi_image::{Scalar, Type};
 use rpi_prims::flow::{Flow, Rotation};
 use rpi_prims::geometry;
 
-/// The text of a value of a flow type; `cells` are its cells.
+/// Returns the text of a value of a flow type. `cells` are the memory slots of the value.
 #[must_use]
 pub fn write(cells: &[u64], ty: Type) -> String {
     match ty {
@@ -60,10 +60,11 @@ fn object(names: [&str; 3], cells: &[u64]) -> String {
     format!("{{{}}}", fields.join(","))
 }
 
-/// Angles in rad about z, then y, then x of the turned frame for the cells of a rotation (none for too few cells).
+/// Returns the Euler angles in rad about z, then y, then x of the turned frame for the slots of a rotation; zeros for
+/// too few slots.
 ///
-/// Angles worked out from a quaternion are exact only to rounding. If those rounded to 15 digits, as people write them,
-/// turn back as well, they are chosen.
+/// Angles computed from a quaternion are exact only up to rounding. The angles rounded to 15 digits, as people write
+/// them, are returned instead if they reproduce the rotation at least as well.
 #[must_use]
 pub fn angles(cells: &[u64]) -> [f64; 3] {
     if cells.len() < Rotation::CELLS {
@@ -85,7 +86,7 @@ fn rotation(cells: &[u64]) -> String {
     object(["a", "b", "c"], &angles(cells).map(f64::to_bits))
 }
 
-/// The shortest text that reads back to the same bits.
+/// Returns the shortest text that parses to the same bits.
 fn real(bits: u64) -> String {
     let value = f64::from_bits(bits);
     if value.is_nan() {
@@ -97,7 +98,7 @@ fn real(bits: u64) -> String {
     }
 }
 
-/// A power of ten stands from 10^7 on and below 10^-3, as Java writes doubles: `1.0E-5`, `2.5E7`.
+/// Formats a finite real with an exponent from 10^7 on and below 10^-3, as Java does: `1.0E-5`, `2.5E7`.
 fn finite(value: f64) -> String {
     if value == 0.0 || (1e-3..1e7).contains(&value.abs()) {
         return format!("{value:?}");
@@ -110,6 +111,7 @@ fn finite(value: f64) -> String {
     }
 }
 
+/// Formats a time in nanoseconds as milliseconds with at most six digits after the point.
 fn millis(ns: i64) -> String {
     let (whole, part) = (ns / 1_000_000, (ns % 1_000_000).unsigned_abs());
     if part == 0 {

@@ -1,4 +1,4 @@
-//! Equations, one primitive at a time.
+//! Translates primitives to Lustre equations, one primitive at a time.
 
 use super::flows::{Is, Seen, Writer};
 use super::operators::{Check, check, filled, guarded, is_partial, operator};
@@ -8,14 +8,14 @@ use crate::passes::Sureness;
 use rpi_image::{CommandFlow, Need, PortType, Role, Scalar, Type, Value};
 use std::collections::BTreeSet;
 
-/// A value and when it is there.
+/// Lustre expressions of a flow's value and presence.
 struct Result {
     value: String,
     is: Is,
 }
 
 impl Writer<'_> {
-    /// What a primitive does, or an input in its place.
+    /// Writes the equation of a primitive, its assertion, or an input if the primitive has no Lustre equivalent.
     pub(super) fn equation(&mut self, id: NodeId) {
         let node = self.net().node(id);
         if let Some(check) = check(node.desc().name) {
@@ -50,7 +50,8 @@ impl Writer<'_> {
         }
     }
 
-    /// What a subrange claims of a value: an assumption if the value comes from outside.
+    /// Adds the bounds of a subrange check: as an assumption if the value comes from an input, otherwise as a property
+    /// to prove.
     fn subrange(&mut self, id: NodeId) {
         let node = self.net().node(id);
         let source = node.inputs.get(1).and_then(Input::port);
@@ -99,7 +100,7 @@ impl Writer<'_> {
         }
     }
 
-    /// What is set from outside is an input of the node, under its key.
+    /// Adds an input of the Lustre node for each input of the net, named by its key.
     pub(super) fn take_inputs(&mut self) {
         let read = self.net().nodes.iter().flat_map(|node| &node.inputs);
         let read: BTreeSet<PortRef> = read.filter_map(Input::port).collect();
@@ -117,7 +118,7 @@ impl Writer<'_> {
             let Some(name) = self.input(&key, scalar) else {
                 continue;
             };
-            // When it was set is only asked to know whether it was.
+            // The time of the last update has no Lustre form; its presence says whether the input was updated.
             let updated = PortRef { node: id, port: 1 };
             if read.contains(&updated) {
                 self.inputs.push(format!("{name}_is: bool"));
@@ -127,7 +128,7 @@ impl Writer<'_> {
         }
     }
 
-    /// What the core gives to a command is an input, too, but for the period, which is known.
+    /// Adds inputs for the flows that the control core supplies to a command, except the period, which is a constant.
     pub(super) fn take_core_flows(&mut self) {
         for id in self.net().node_ids() {
             let node = self.net().node(id);
@@ -171,13 +172,14 @@ impl Writer<'_> {
         }
     }
 
-    /// What an in-port sees; what stands in for an open one that has a default.
+    /// Value and presence of an in-port as its primitive sees it; `None` if the value has no Lustre form, or if an
+    /// unconnected in-port has a default.
     fn operand(&mut self, id: NodeId, k: usize) -> Option<Seen> {
         let seen = self.looked_at(id, k)?;
         seen.value.is_some().then_some(seen)
     }
 
-    /// The same where only its presence may matter: some values have no form here.
+    /// Like [`Writer::operand`], for primitives that may read only the presence: the value may have no Lustre form.
     fn looked_at(&mut self, id: NodeId, k: usize) -> Option<Seen> {
         let node = self.net().node(id);
         let declared = node.desc().inputs.get(k)?;
@@ -225,7 +227,7 @@ impl Writer<'_> {
         }
     }
 
-    /// A duration that is fixed, in whole ticks; a tick is a period.
+    /// Constant duration in whole ticks of one period each.
     fn fixed_ticks(&mut self, id: NodeId) -> Option<Result> {
         let Input::Const(value) = self.net().node(id).inputs.first()? else {
             return None;
@@ -237,8 +239,8 @@ impl Writer<'_> {
         })
     }
 
-    /// There where all operands are. What can fault is computed only there; what has no value for some operands, like a
-    /// quotient, only where its fragment is active, too.
+    /// Equation of a strict primitive: present if all operands are. An operation that may fault is computed only then.
+    /// A partial operation, such as a quotient, is computed only if its fragment is active, too.
     fn strict(&mut self, id: NodeId, scalar: Scalar, template: &str) -> Option<Result> {
         let seen = self.operands(id)?;
         let is = seen.iter().fold(Is::Always, |is, seen| is.and(&seen.is));
@@ -262,7 +264,7 @@ impl Writer<'_> {
         Some(Result { value, is })
     }
 
-    /// `and`, `or` and `=>`, which is `not a or b`, after Kleene: one operand that decides is enough.
+    /// Strong Kleene logic for `and`, `or` and `=>` (`not a or b`): one operand may decide the result alone.
     fn kleene(&mut self, id: NodeId, op: &str) -> Option<Result> {
         let seen = self.operands(id)?;
         let [a, b] = &seen[..] else {
@@ -278,7 +280,7 @@ impl Writer<'_> {
             "=>" => (format!("(not {x})"), "or"),
             _ => (x, op),
         };
-        // What is absent counts as the value that does not decide.
+        // An absent operand counts as the neutral element, which does not decide.
         let neutral = |value: &str, is: &Is| match op {
             "and" => format!("(not {} or {value})", is.text()),
             _ => format!("({} and {value})", is.text()),
@@ -294,7 +296,7 @@ impl Writer<'_> {
         Some(Result { value, is })
     }
 
-    /// Equal up to the primitive's `Epsilon`.
+    /// Equality up to the primitive's `Epsilon`.
     fn equals(&mut self, id: NodeId) -> Option<Result> {
         let node = self.net().node(id);
         let epsilon = node.params.first().cloned();
@@ -309,7 +311,7 @@ impl Writer<'_> {
         self.strict(id, Scalar::Bool, &template)
     }
 
-    /// The branch that is not chosen does not matter.
+    /// Conditional: the branch that is not selected may be absent.
     fn conditional(&mut self, id: NodeId) -> Option<Result> {
         let seen = self.operands(id)?;
         let [condition, yes, no] = &seen[..] else {
@@ -334,7 +336,7 @@ impl Writer<'_> {
         })
     }
 
-    /// The first of the two that is there.
+    /// First operand if it is present, otherwise the second.
     fn coalesce(&mut self, id: NodeId) -> Option<Result> {
         let seen = self.operands(id)?;
         let [first, second] = &seen[..] else {
@@ -360,7 +362,7 @@ impl Writer<'_> {
         })
     }
 
-    /// The value when it was last there, an initial one before.
+    /// Last value that was present; the initial value before the first one.
     fn hold(&mut self, id: NodeId, scalar: Scalar) -> Option<Result> {
         let seen = self.operands(id)?;
         let [given, initial] = &seen[..] else {
@@ -389,7 +391,7 @@ impl Writer<'_> {
         })
     }
 
-    /// There unless the second operand is true or absent.
+    /// Operand that is present unless the second operand is true or absent.
     fn set_null(&mut self, id: NodeId) -> Option<Result> {
         let seen = self.operands(id)?;
         let [given, null] = &seen[..] else {
@@ -428,7 +430,7 @@ impl Writer<'_> {
         })
     }
 
-    /// True in the first cycle of the fragment.
+    /// Boolean that is true in the first cycle of the fragment.
     fn first(&mut self, id: NodeId) -> Option<Result> {
         let fragment = self.net().node(id).fragment;
         let like = self.flow(PortRef { node: id, port: 0 });

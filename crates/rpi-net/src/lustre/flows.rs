@@ -1,4 +1,4 @@
-//! What a reader sees of a flow: its value, and when it is there; and when fragments are active.
+//! Flows and fragments in Lustre: value and presence of a flow as a reader sees it, and the activation of fragments.
 
 use super::names::Names;
 use super::value::{literal, neutral, type_name};
@@ -8,11 +8,10 @@ use rpi_diag::{Code, Finding, Span};
 use rpi_image::{PortType, Presence, PrimDesc, Scalar, Type};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A program in the making.
+/// Lustre program under construction.
 pub(super) struct Writer<'n> {
     pub(super) analysis: &'n Analysis,
-    /// The period in seconds.
-    /// Period and tick in nanoseconds.
+    /// Period of a cycle in nanoseconds.
     pub(super) period_ns: u64,
     pub(super) names: Names,
     pub(super) title: String,
@@ -20,41 +19,41 @@ pub(super) struct Writer<'n> {
     pub(super) outputs: Vec<String>,
     pub(super) locals: Vec<String>,
     pub(super) equations: Vec<String>,
-    /// What is taken as given.
+    /// Boolean expressions that are assumed (`assert`).
     pub(super) assumptions: Vec<String>,
-    /// What is to be proved.
+    /// Boolean expressions to prove (`--%PROPERTY`).
     pub(super) claims: Vec<String>,
     pub(super) findings: Vec<Finding>,
-    /// Of each flow its name; the same with `_is` tells whether it is there.
+    /// Lustre name of each flow. The name with the suffix `_is` is its presence.
     flows: BTreeMap<PortRef, String>,
-    /// The inputs that have been declared, by key.
+    /// Lustre names of the declared inputs, by key.
     given: BTreeMap<String, String>,
-    /// The inputs that stand for what the core gives to a command, by primitive.
+    /// Lustre names of the inputs for flows that the control core supplies, by primitive.
     from_core: BTreeMap<&'static str, String>,
-    /// The nodes that stand for them.
+    /// Nodes that are represented by inputs.
     pub(super) inputs_taken: BTreeSet<NodeId>,
-    /// The names of outputs, by key.
+    /// Reserved Lustre names of outputs, by key.
     pub(super) reserved: BTreeMap<String, String>,
     fragments: Vec<Activity>,
 }
 
-/// When a fragment is active, and when its state starts afresh, as expressions; none: always, never.
+/// Expressions for a fragment's activation (`None`: always active) and reset (`None`: never).
 #[derive(Clone, Default)]
 struct Activity {
     on: Option<String>,
     again: Option<String>,
 }
 
-/// A flow as a reader sees it.
+/// Value and presence of a flow as a reader sees it.
 pub(super) struct Seen {
-    /// Its value; none for a type that Lustre does not have.
+    /// Value expression; `None` for a type without Lustre equivalent.
     pub(super) value: Option<String>,
-    /// When it is there: a condition.
+    /// Presence condition.
     pub(super) is: Is,
 }
 
 impl Seen {
-    /// That it is true, given what its absence means.
+    /// Expression that is true if the Boolean is true. `absent` is the meaning of an absent value.
     pub(super) fn holds(&self, absent: Absent) -> String {
         let value = self.value.as_deref().unwrap_or("false");
         match (&self.is, absent) {
@@ -65,17 +64,17 @@ impl Seen {
     }
 }
 
-/// When something is there.
+/// Presence condition of a flow.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) enum Is {
     Always,
     Never,
-    /// While all of these hold.
+    /// Present while all of these expressions are true.
     While(Vec<String>),
 }
 
 impl Is {
-    /// Both are there.
+    /// Conjunction of two presence conditions.
     pub(super) fn and(&self, other: &Is) -> Is {
         match (self, other) {
             (Is::Never, _) | (_, Is::Never) => Is::Never,
@@ -87,7 +86,7 @@ impl Is {
         }
     }
 
-    /// As an expression in parentheses where it needs them.
+    /// Boolean expression of the condition, in parentheses where needed.
     pub(super) fn text(&self) -> String {
         match self {
             Is::Always => "true".to_owned(),
@@ -129,7 +128,7 @@ impl<'n> Writer<'n> {
         &self.analysis.net
     }
 
-    /// A local flow of its own with this equation.
+    /// Adds a local flow with this equation and returns its name.
     pub(super) fn local(&mut self, like: &str, ty: &str, value: &str) -> String {
         let name = self.names.fresh(like);
         self.locals.push(format!("{name}: {ty}"));
@@ -137,14 +136,15 @@ impl<'n> Writer<'n> {
         name
     }
 
-    /// A local flow whose equation follows.
+    /// Declares a local flow, whose equation the caller adds, and returns its name.
     pub(super) fn declared(&mut self, like: &str, ty: &str) -> String {
         let name = self.names.fresh(like);
         self.locals.push(format!("{name}: {ty}"));
         name
     }
 
-    /// An input of the node.
+    /// Adds an input of the Lustre node unless it exists and returns its name; `None` for a type without Lustre
+    /// equivalent.
     pub(super) fn input(&mut self, key: &str, ty: Scalar) -> Option<String> {
         if let Some(name) = self.given.get(key) {
             return Some(name.clone());
@@ -156,7 +156,7 @@ impl<'n> Writer<'n> {
         Some(name)
     }
 
-    /// The input that stands for what the core gives to a command: one, however often it is read.
+    /// Name of the input for a flow that the control core supplies. All readers share one input.
     pub(super) fn core_input(&mut self, desc: &'static PrimDesc, reader: Span) -> Option<String> {
         if let Some(name) = self.from_core.get(desc.name) {
             return Some(name.clone());
@@ -176,7 +176,7 @@ impl<'n> Writer<'n> {
         Some(name)
     }
 
-    /// The name of a flow, whether its equation has been written or not.
+    /// Lustre name of a flow, whether or not its equation has been written.
     pub(super) fn flow(&mut self, port: PortRef) -> String {
         if let Some(name) = self.flows.get(&port) {
             return name.clone();
@@ -197,18 +197,18 @@ impl<'n> Writer<'n> {
         name
     }
 
-    /// The companion that tells whether a flow is there.
+    /// Name of the Boolean flow that says whether a flow is present.
     pub(super) fn companion(&mut self, port: PortRef) -> String {
         format!("{}_is", self.flow(port))
     }
 
-    /// A flow that is an input takes the input's name.
+    /// Maps a flow to an input of the Lustre node.
     pub(super) fn is_input(&mut self, port: PortRef, name: String) {
         self.inputs_taken.insert(port.node);
         self.flows.insert(port, name);
     }
 
-    /// Whether a flow is in every cycle in which its fragment is active.
+    /// Presence of a flow in the cycles in which its fragment is active.
     pub(super) fn own(&mut self, port: PortRef) -> Is {
         match self.analysis.presences.own(port) {
             Sureness::Total => Is::Always,
@@ -217,7 +217,7 @@ impl<'n> Writer<'n> {
         }
     }
 
-    /// What a reader in a fragment sees of an input's source.
+    /// Value and presence of an input's source as a reader in the fragment `reader` sees them.
     pub(super) fn seen(&mut self, reader: FragmentId, input: &Input, ty: Scalar) -> Seen {
         match input {
             Input::Open => Seen {
@@ -251,7 +251,7 @@ impl<'n> Writer<'n> {
         Seen { value, is }
     }
 
-    /// The flows that say when fragments are active and start afresh. Parents come first.
+    /// Adds the activation and reset flows of all fragments. Parents come first.
     pub(super) fn fragments(&mut self) {
         self.fragments = vec![Activity::default(); self.net().fragments.len()];
         for id in self.net().fragment_ids() {
@@ -288,7 +288,7 @@ impl<'n> Writer<'n> {
         Activity { on, again }
     }
 
-    /// When a fragment's own restart has its state start afresh.
+    /// Expression for a fragment's own reset condition; `None` if it has none.
     fn asked_to_restart(
         &mut self,
         id: FragmentId,
@@ -298,13 +298,14 @@ impl<'n> Writer<'n> {
         let fragment = self.net().fragment(id);
         match fragment.restart {
             Restart::Never => None,
-            // A pause of what is around the fragment is no end of its activity.
+            // A cycle in which the enclosing fragment is inactive does not end the activation, so state is kept in
+            // `parent`.
             Restart::OnActivation => on.map(|on| {
                 let like = format!("{}_was", self.net().path(parent, &fragment.name));
                 let was = self.kept(parent, &like, "bool", "false", |_| on.to_owned());
                 format!("({on} and not {was})")
             }),
-            // What is asked for while the fragment is not active does not count.
+            // A reset request while the fragment is inactive is ignored.
             Restart::Every(condition) => {
                 let asked = self.holds(parent, condition, Absent::Inactive);
                 Some(match on {
@@ -320,8 +321,8 @@ impl<'n> Writer<'n> {
         seen.holds(absent)
     }
 
-    /// A value of the previous cycle in which the fragment was active: `next` is what it will be, and the name of the
-    /// flow that gives it is what is returned.
+    /// Adds a state variable that is updated in the cycles in which the fragment is active. Returns the name of the
+    /// flow with the previous value; `next` maps this name to the expression of the next value.
     pub(super) fn kept(
         &mut self,
         fragment: FragmentId,
@@ -346,13 +347,13 @@ impl<'n> Writer<'n> {
         before
     }
 
-    /// When a fragment is active.
+    /// Condition under which a fragment is active.
     pub(super) fn active(&self, fragment: FragmentId) -> Is {
         let on = self.fragments[fragment.index()].on.clone();
         on.map_or(Is::Always, |on| Is::While(vec![on]))
     }
 
-    /// That a condition holds wherever it is there and its fragment is active.
+    /// Expression that is true if a condition holds wherever it is present and its fragment is active.
     pub(super) fn claimed(&self, fragment: FragmentId, condition: &Seen) -> Option<String> {
         let value = condition.value.clone()?;
         Some(match self.active(fragment).and(&condition.is) {
@@ -361,7 +362,7 @@ impl<'n> Writer<'n> {
         })
     }
 
-    /// Inputs in the place of a primitive that has no form here.
+    /// Replaces a primitive without Lustre equivalent by inputs, and reports it.
     pub(super) fn leave_open(&mut self, id: NodeId) {
         let node = self.net().node(id);
         let mut names = Vec::new();
@@ -388,8 +389,8 @@ impl<'n> Writer<'n> {
             return;
         }
         let names: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
-        let message = format!("`{}` has no form in Lustre", desc.name);
-        let label = format!("{} in the program may be anything", names.join(", "));
+        let message = format!("`{}` has no Lustre equivalent", desc.name);
+        let label = format!("unconstrained input: {}", names.join(", "));
         let finding = Finding::new(Code::RPI9103, message);
         self.findings.push(finding.at(reader, label));
     }

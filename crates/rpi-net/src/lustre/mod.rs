@@ -1,21 +1,21 @@
-//! A net as a Lustre program, for tools that prove properties of such programs.
+//! Translation of a net to a Lustre program, for tools that prove properties of such programs.
 //!
-//! One node, one equation per primitive, in the subset that Lustre V6 and Kind 2 share. What a fragment does is said by
-//! Boolean flows: `NAME_on` where it is active, `NAME_again` where its state starts afresh; a flow that may be absent
-//! has a companion `NAME_is`. State is a `pre` that goes on only where its fragment is active. What has no form in
-//! Lustre becomes an input, about which nothing is known, and is told.
+//! The program is one node with one equation per primitive, in the subset that Lustre V6 and Kind 2 share. Boolean
+//! flows represent the state of a fragment: `NAME_on` is true while it is active, `NAME_again` while its state is
+//! reset. A flow that may be absent has a companion `NAME_is`. State is a `pre` that is updated only while its fragment
+//! is active. A primitive without Lustre equivalent becomes an unconstrained input and is reported.
 //!
-//! This must not know source texts.
+//! This module does not depend on source texts.
 //!
-//! | file | idea |
+//! | file | content |
 //! |---|---|
-//! | `names.rs` | names that Lustre can have |
-//! | `operators.rs` | the table of primitives that are expressions |
+//! | `names.rs` | valid Lustre names |
+//! | `operators.rs` | table of primitives that are Lustre expressions |
 //! | `value.rs` | literals |
-//! | `flows.rs` | what a reader sees of a flow, and when fragments are active |
-//! | `equations.rs` | one primitive at a time |
-//! | `outputs.rs` | what goes out, and how a command ends |
-//! | `needed.rs` | what of all that is read |
+//! | `flows.rs` | value and presence of flows, activation of fragments |
+//! | `equations.rs` | equations of primitives |
+//! | `outputs.rs` | outputs, and the results of a command |
+//! | `needed.rs` | removal of unused local flows |
 
 mod equations;
 mod flows;
@@ -32,7 +32,7 @@ use needed::needed;
 use rpi_diag::Finding;
 use std::fmt::Write as _;
 
-/// The ports that the node shall have, in this order, by the keys of the net; all exports if there are none.
+/// Ports of the Lustre node in order, by the keys of the net. Without outputs, all exports become outputs.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Boundary<'a> {
     /// In-ports.
@@ -41,16 +41,16 @@ pub struct Boundary<'a> {
     pub outputs: &'a [Column],
 }
 
-/// The text, and what it does not hold.
+/// Lustre program with the diagnostics of its translation.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Lustre {
-    /// The program.
+    /// Text of the program.
     pub text: String,
-    /// What became an input.
+    /// Diagnostics for primitives that became unconstrained inputs.
     pub findings: Vec<Finding>,
 }
 
-/// Writes an analysed net for a period in nanoseconds, on which `dt` and the ticks of times depend.
+/// Translates an analysed net for a period in nanoseconds, which determines `dt` and the ticks of times.
 #[must_use]
 pub fn write(analysis: &Analysis, boundary: &Boundary<'_>, period_ns: u64) -> Lustre {
     let mut writer = Writer::new(analysis, period_ns);

@@ -1,8 +1,8 @@
-//! Names that Lustre can have: letters, digits and `_`, each given once.
+//! Valid, unique Lustre names of letters, digits and `_`.
 
 use std::collections::BTreeMap;
 
-/// Words of Lustre V6 and Kind 2 that no flow may be called.
+/// Keywords of Lustre V6 and Kind 2, which are not valid names.
 const WORDS: &[&str] = &[
     "and",
     "any",
@@ -66,14 +66,14 @@ const WORDS: &[&str] = &[
     "xor",
 ];
 
-/// The names that are taken, each with the last number that was put behind it.
+/// Names in use, each with the last number that was appended to it.
 #[derive(Default)]
 pub(super) struct Names {
     taken: BTreeMap<String, u32>,
 }
 
 impl Names {
-    /// A name like this one: `x.f[2]` becomes `x_f_2`.
+    /// Returns an unused name similar to `like`: `x.f[2]` becomes `x_f_2`.
     pub(super) fn fresh(&mut self, like: &str) -> String {
         let base = plain(like);
         let is_free = !WORDS.contains(&base.as_str()) && !self.taken.contains_key(&base);
@@ -91,6 +91,7 @@ impl Names {
 
 fn plain(like: &str) -> String {
     let like = like.rsplit("::").next().unwrap_or(like);
+    // An index `x[2]` becomes `x_2`: its closing bracket is dropped.
     let kept = like.chars().filter(|c| *c != ']' && *c != '\'');
     let letter = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };
     let name: String = kept.map(letter).collect();

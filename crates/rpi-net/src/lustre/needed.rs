@@ -1,9 +1,9 @@
-//! What of the text matters: local flows that nothing reads are left out, with what only they read.
+//! Dead code elimination in the Lustre text: removes local flows that are never used.
 
 use std::collections::{HashMap, HashSet};
 
-/// The local flows and the equations that are left: those that define outputs, and what these and `others` read, by whatever steps.
-/// Each equation defines one flow: `name = value`.
+/// Removes unused local flows and their equations. A flow is used if an output, one of `others` or another used flow
+/// reads it. Each equation defines one flow: `name = value`.
 pub(super) fn needed(
     locals: Vec<String>,
     equations: Vec<String>,
@@ -12,6 +12,7 @@ pub(super) fn needed(
     let names: HashSet<&str> = locals.iter().filter_map(|local| first(local)).collect();
     let defined = equations.iter().filter_map(|equation| first(equation));
     let place: HashMap<&str, usize> = defined.zip(0..).collect();
+    // Equations of outputs define a name that is not a local flow.
     let is_root = |equation: &&String| first(equation).is_none_or(|name| !names.contains(name));
     let mut open: Vec<&str> = equations
         .iter()
@@ -45,7 +46,7 @@ fn filtered(texts: Vec<String>, kept: &[bool]) -> Vec<String> {
         .collect()
 }
 
-/// Names in a text, and numbers.
+/// Identifiers and numbers in a text.
 fn words(text: &str) -> impl Iterator<Item = &str> {
     let words = text.split(|c: char| !c.is_alphanumeric() && c != '_');
     words.filter(|word| !word.is_empty())

@@ -1,33 +1,33 @@
-//! The primitives that are expressions of Lustre: they depend on their in-ports alone, and are there where these are.
+//! Primitives that are Lustre expressions: their result depends only on their in-ports and is present if these are.
 
-/// The expression of a primitive; `{0}`, `{1}` stand for its in-ports.
+/// Lustre expression of a primitive; `{0}`, `{1}` are placeholders for its in-ports.
 pub(super) fn operator(prim: &str) -> Option<&'static str> {
     let row = OPERATORS.iter().find(|row| row.0 == prim);
     row.map(|row| row.1)
 }
 
-/// The primitive that a twin with a condition stands for: `{0}` is the condition, the others follow.
+/// Lustre expression and default of a guarded primitive. `{0}` is the guard, the operands follow.
 pub(super) fn guarded(prim: &str) -> Option<(&'static str, &'static str)> {
     let row = GUARDED.iter().find(|row| row.0 == prim);
     row.map(|row| (row.1, row.2))
 }
 
-/// Whether a primitive has no value for some operands, in Lustre as here.
+/// Whether a primitive is undefined for some operands, in Lustre as well as here.
 pub(super) fn is_partial(prim: &str) -> bool {
     let ends = ["IntDivide", "IntModulo", "IntFromDouble"];
     ends.iter().any(|end| prim.ends_with(end))
 }
 
-/// What a model checker makes of a check.
+/// Role of an assertion for a model checker.
 #[derive(Clone, Copy)]
 pub(super) enum Check {
-    /// It holds by the writer's word.
+    /// The condition is assumed.
     Given,
-    /// It is to be proved.
+    /// The condition is a property to prove.
     ToProve,
 }
 
-/// What becomes of a primitive that ends the command where a condition does not hold.
+/// Role of a primitive that ends the command when a condition is false; `None` for other primitives.
 pub(super) fn check(prim: &str) -> Option<Check> {
     let row = CHECKS.iter().find(|row| row.0 == prim);
     row.map(|row| row.1)
@@ -80,7 +80,7 @@ const GUARDED: &[(&str, &str, &str)] = &[
     ("Rpi::GuardedIntFromDouble", "int {1}",                         "0"),
 ];
 
-/// An expression with its operands in place.
+/// Replaces the placeholders of a template by operands.
 pub(super) fn filled(template: &str, operands: &[String]) -> String {
     let mut text = template.to_owned();
     for (k, operand) in operands.iter().enumerate() {

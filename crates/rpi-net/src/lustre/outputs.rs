@@ -1,4 +1,4 @@
-//! What goes out of the node: exports, and how a command ends.
+//! Outputs of the Lustre node: exports, and the results of a command.
 
 use super::Boundary;
 use super::flows::{Is, Writer};
@@ -7,7 +7,7 @@ use crate::net::{Absent, Driver, FragmentId, Input, Net, PortRef, ResultKind, Re
 use rpi_image::{CommandFlow, Role, Scalar, Type};
 use rpi_prims::registry;
 
-/// The exports that go out: what is asked for, else all.
+/// Exports that become outputs: those of the boundary, or all if the boundary has no outputs.
 pub(super) fn exports(net: &Net, boundary: &Boundary<'_>) -> Vec<(String, Scalar, PortRef)> {
     let exported = |key: &str| net.exports.iter().find(|export| export.key == key);
     if !boundary.outputs.is_empty() {
@@ -26,7 +26,7 @@ pub(super) fn exports(net: &Net, boundary: &Boundary<'_>) -> Vec<(String, Scalar
     one.collect()
 }
 
-/// The results of a command; none if it is said what shall go out.
+/// Results of a command; empty if the boundary selects the outputs.
 pub(super) fn results<'n>(net: &'n Net, boundary: &Boundary<'_>) -> &'n [ResultPort] {
     match &net.driver {
         Driver::Results(results) if boundary.outputs.is_empty() => results,
@@ -35,13 +35,13 @@ pub(super) fn results<'n>(net: &'n Net, boundary: &Boundary<'_>) -> &'n [ResultP
 }
 
 impl Writer<'_> {
-    /// Keeps the name of an output for it.
+    /// Reserves the name of an output.
     pub(super) fn reserve(&mut self, key: &str) {
         let name = self.names.fresh(key);
         self.reserved.insert(key.to_owned(), name);
     }
 
-    /// An output of the node; one that may be absent has a companion.
+    /// Adds an output of the node. An output that may be absent gets a companion.
     pub(super) fn output(&mut self, key: &str, ty: Scalar, source: PortRef) {
         let seen = self.seen(FragmentId::ROOT, &Input::Port(source), ty);
         let (Some(value), Some(name)) = (seen.value, type_name(ty)) else {
@@ -63,7 +63,7 @@ impl Writer<'_> {
         reserved.unwrap_or_else(|| self.names.fresh(key))
     }
 
-    /// A command ends by one result: of those whose conditions hold a `fail` comes first, then the first in the text.
+    /// Adds an output for each result. At most one is true: a `fail` comes first, then the first result in the text.
     pub(super) fn choose(&mut self, results: &[ResultPort]) {
         let names: Vec<String> = results
             .iter()
@@ -85,7 +85,7 @@ impl Writer<'_> {
         }
     }
 
-    /// A result's condition; a `yield` needs a successor, too.
+    /// Condition of a result. A `yield` also needs a successor.
     fn ends(&mut self, result: &ResultPort) -> String {
         let seen = self.seen(FragmentId::ROOT, &result.condition, Scalar::Bool);
         let condition = seen.holds(Absent::Inactive);

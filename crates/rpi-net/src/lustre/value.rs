@@ -1,8 +1,8 @@
-//! Values as Lustre writes them.
+//! Lustre literals and type names.
 
 use rpi_image::{Scalar, Value};
 
-/// The literal of a value; none if Lustre has none, as for a pose or what is no number.
+/// Lustre literal of a value; `None` if Lustre has none, as for a pose or a NaN.
 pub(super) fn literal(value: &Value) -> Option<String> {
     if let Some(truth) = value.as_bool() {
         return Some(truth.to_string());
@@ -13,7 +13,7 @@ pub(super) fn literal(value: &Value) -> Option<String> {
     value.as_real().filter(|x| x.is_finite()).map(real)
 }
 
-/// The neutral value of a type.
+/// Neutral value of a type.
 pub(super) fn neutral(scalar: Scalar) -> Option<&'static str> {
     match scalar {
         Scalar::Bool => Some("false"),
@@ -23,7 +23,7 @@ pub(super) fn neutral(scalar: Scalar) -> Option<&'static str> {
     }
 }
 
-/// How Lustre calls a type.
+/// Lustre name of a type.
 pub(super) fn type_name(scalar: Scalar) -> Option<&'static str> {
     match scalar {
         Scalar::Bool => Some("bool"),
@@ -35,13 +35,15 @@ pub(super) fn type_name(scalar: Scalar) -> Option<&'static str> {
 
 fn integer(value: i64) -> String {
     match value {
+        // The literal of `i64::MIN` would overflow: its digits are read before the sign is applied.
         i64::MIN => format!("({} - 1)", i64::MIN + 1),
         v if v < 0 => format!("({v})"),
         v => v.to_string(),
     }
 }
 
-/// So many digits that it reads back as the same bits, and always a point, without which Kind 2 reads an integer.
+/// Formats a real with enough digits to parse to the same bits. It always contains a point: Kind 2 reads a number
+/// without one as an integer.
 fn real(value: f64) -> String {
     let digits = format!("{:?}", value.abs());
     let digits = match digits.split_once('e') {

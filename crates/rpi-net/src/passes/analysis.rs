@@ -1,4 +1,4 @@
-//! The list of passes and what they find.
+//! Pass list, and the analysis result that the passes fill in.
 
 use super::proof::Background;
 use super::{Dependencies, Presences, Resource, Schedule, Sureness, Users, Work, Writers};
@@ -8,33 +8,33 @@ use crate::tree::Tree;
 use crate::violation::Violation;
 use rpi_diag::{Finding, Severity};
 
-/// A net and what the passes found out about it.
+/// Net with the analysis results of the passes.
 #[derive(Clone, Debug)]
 pub struct Analysis {
-    /// The net, as the passes left it.
+    /// Net after the passes, which may have changed it.
     pub net: Net,
-    /// Its fragments as a tree.
+    /// Tree of the net's fragments.
     pub tree: Tree,
-    /// What is wrong with it, or worth knowing.
+    /// Errors, warnings and hints about the net.
     pub findings: Vec<Finding>,
-    /// What each pass did, in words: its name and a line.
+    /// Summary of each pass: its name and one line of text.
     pub told: Vec<(&'static str, String)>,
-    /// Who reads what; let go after the last pass.
+    /// Readers of each node; dropped after the last pass.
     users: Users,
-    /// What waits for what; let go once the order is known, for it is large.
+    /// Dependency graphs; dropped after scheduling to save memory.
     dependencies: Dependencies,
-    /// The order of evaluation; none if something depends on itself.
+    /// Order of evaluation; `None` if the net has a dependency cycle.
     pub schedule: Option<Schedule>,
-    /// Which flows can be absent.
+    /// Presence of all flows.
     pub presences: Presences,
-    /// Who drives which actuator: the resources that the command takes.
+    /// Writers of each actuator, which are the resources that the command takes.
     pub writers: Writers,
-    /// Bounds on the work of a cycle.
+    /// Upper bounds on the work of a cycle.
     pub work: Work,
 }
 
 impl Analysis {
-    /// A net of which nothing is known.
+    /// Creates an analysis without results.
     fn begin(net: Net) -> Self {
         let nothing = Net::new("");
         Analysis {
@@ -59,13 +59,13 @@ impl Analysis {
         Ok(())
     }
 
-    /// Lets go of what only passes look at.
+    /// Drops the tables that only passes read.
     fn end(mut self) -> Self {
         self.users = Users::new(&Net::new(""));
         self
     }
 
-    /// What proofs look at.
+    /// Borrows the tables that proofs read.
     fn background(&self) -> Background<'_> {
         Background {
             net: &self.net,
@@ -75,30 +75,30 @@ impl Analysis {
         }
     }
 
-    /// Finds out anew what depends on what.
+    /// Computes the dependency graphs and the schedule again.
     fn order(&mut self) {
         self.dependencies = Dependencies::new(&self.net, &self.tree);
         self.schedule = Schedule::new(&self.net, &self.dependencies);
     }
 }
 
-/// One question that is asked of a net.
+/// Pass over a net, which checks or computes one property.
 pub struct Pass {
-    /// Its name.
+    /// Name of the pass.
     pub name: &'static str,
-    /// What it establishes.
+    /// Property that the pass establishes.
     pub about: &'static str,
     run: fn(&mut Analysis, &Forced<'_>) -> Result<String, Violation>,
 }
 
-/// Ports that count as optional whatever their rule says.
+/// Selects ports that count as optional regardless of their presence rule.
 type Forced<'a> = dyn Fn(PortRef) -> bool + 'a;
 
-/// The passes in the order in which they run.
+/// Passes in the order in which they run.
 pub const PASSES: &[Pass] = &[
     Pass {
         name: "structure",
-        about: "indices, arity and types of the net are in order",
+        about: "indices, arity and types of the net are valid",
         run: |a, _| {
             verify::verify(&a.net)?;
             a.tree = Tree::new(&a.net);
@@ -111,7 +111,7 @@ pub const PASSES: &[Pass] = &[
     },
     Pass {
         name: "delays",
-        about: "delays of imported nets stand at the level of the ring that they break",
+        about: "delays of imported nets are at the level of the dependency cycle that they break",
         run: |a, _| {
             a.order();
             let mut added = 0;
@@ -127,14 +127,14 @@ pub const PASSES: &[Pass] = &[
     },
     Pass {
         name: "causality",
-        about: "nothing depends on itself within a cycle",
+        about: "no flow depends on itself within a cycle",
         run: |a, _| {
             if a.schedule.is_none() {
                 a.findings.extend(causality::check(&a.net, &a.dependencies));
             }
             Ok(match a.findings.len() {
-                0 => "nothing depends on itself within a cycle".to_owned(),
-                n => format!("{n} rings"),
+                0 => "no flow depends on itself within a cycle".to_owned(),
+                n => format!("{n} dependency cycles"),
             })
         },
     },
@@ -146,7 +146,7 @@ pub const PASSES: &[Pass] = &[
                 verified(|| schedule::verify(&a.net, &a.dependencies, schedule))?;
             }
             a.dependencies = Dependencies::none();
-            Ok("each item after all that it reads".into())
+            Ok("each item after all items that it reads".into())
         },
     },
     Pass {
@@ -170,7 +170,7 @@ pub const PASSES: &[Pass] = &[
         about: "no actuator is driven twice in a cycle; the resources that are taken",
         run: |a, _| {
             let writers = Writers::new(a.background(), a.schedule.as_ref());
-            // Without an order of evaluation that is what is reported.
+            // Without a schedule, the dependency cycle is reported instead.
             if a.schedule.is_some() {
                 a.findings.extend(writers::check(&a.net, &writers));
             }
@@ -179,7 +179,7 @@ pub const PASSES: &[Pass] = &[
             let taken: Vec<String> = writers.of.keys().map(Resource::to_string).collect();
             let methods = writers.methods();
             let told = format!(
-                "{} resources{}{}; of pairs of writers {proved} exclusive{}{}, {watched} watched",
+                "{} resources{}{}; writer pairs: {proved} exclusive{}{}, {watched} checked at run time",
                 taken.len(),
                 if taken.is_empty() { "" } else { ": " },
                 taken.join(", "),
@@ -192,10 +192,10 @@ pub const PASSES: &[Pass] = &[
     },
     Pass {
         name: "set-points",
-        about: "in which cycles an actuator may get none",
+        about: "cycles in which an actuator may have no set-point",
         run: |a, _| {
             let gaps = setpoints::gaps(a.background(), a.schedule.as_ref(), &a.writers);
-            // Who drives an actuator twice is told that first.
+            // An actuator with two writers is an error that must be corrected first.
             if a.findings.iter().all(|f| f.severity() != Severity::Error) {
                 let found = gaps.iter().map(|gap| setpoints::finding(&a.net, gap));
                 a.findings.extend(found);
@@ -205,7 +205,7 @@ pub const PASSES: &[Pass] = &[
     },
     Pass {
         name: "ends",
-        about: "some `finish` can happen, and every result can",
+        about: "some `finish` is reachable, and so is every result",
         run: |a, _| {
             let findings = ends::check(a.background());
             let told = ends::told(&a.net, findings.len());
@@ -215,7 +215,7 @@ pub const PASSES: &[Pass] = &[
     },
     Pass {
         name: "effects",
-        about: "which nodes have an effect outside; flows that nothing uses",
+        about: "nodes with an external effect; flows that are never used",
         run: |a, _| {
             let live = live::live(&a.net);
             a.findings.extend(live::check(&a.net, &live));
@@ -225,7 +225,7 @@ pub const PASSES: &[Pass] = &[
     },
     Pass {
         name: "work",
-        about: "a bound on the work of a cycle, of exclusive fragments the largest",
+        about: "upper bound on the work of a cycle; of exclusive fragments only the largest counts",
         run: |a, _| {
             a.work = Work::new(a.background());
             Ok(format!("{} operations", a.work.of(FragmentId::ROOT)))
@@ -233,10 +233,10 @@ pub const PASSES: &[Pass] = &[
     },
 ];
 
-/// How many of the passes it takes until the order of evaluation is known, or that there is none.
+/// Number of passes at the start of [`PASSES`] that determine whether a schedule exists.
 const ORDERING: usize = 2;
 
-/// Holds a pass to its promise in tests and debug builds; a release relies on what they have shown.
+/// Runs the verifier of a pass in tests and debug builds. Release builds skip it for speed.
 fn verified(check: impl FnOnce() -> Result<(), Violation>) -> Result<(), Violation> {
     match cfg!(debug_assertions) {
         true => check(),
@@ -244,31 +244,30 @@ fn verified(check: impl FnOnce() -> Result<(), Violation>) -> Result<(), Violati
     }
 }
 
-/// Whether something in a net depends on itself within a cycle.
+/// Whether the net has a dependency cycle within a cycle of the control core.
 #[must_use]
 pub fn has_ring(net: &Net) -> bool {
     let dependencies = Dependencies::new(net, &Tree::new(net));
-    // A delay that is added to an imported net may break what looks like one.
+    // A delay that `hoist` adds to an imported net may still break the dependency cycle.
     Schedule::new(net, &dependencies).is_none()
         && analyse_unless_ring(net.clone(), |_| false).is_ok_and(|analysis| analysis.is_none())
 }
 
-/// Runs all passes over a net. `forced` names ports that count as optional whatever their rule says: those on which a
-/// replay may force an absent value.
+/// Runs all passes over a net. `forced` selects ports that count as optional regardless of their presence rule: a
+/// replay may force an absent value on them.
 ///
 /// # Errors
-/// If the net is not in order or a pass broke its promise: a fault of the compiler.
+/// Returns an error if the net is malformed or a pass broke its postcondition, which is a bug in the compiler.
 pub fn analyse(net: Net, forced: impl Fn(PortRef) -> bool) -> Result<Analysis, Violation> {
     let mut analysis = Analysis::begin(net);
     analysis.run(PASSES, &forced)?;
     Ok(analysis.end())
 }
 
-/// The same, but none if something depends on itself within a cycle: for those who draw rings from another net, or only
-/// want to know.
+/// Like [`analyse`], but returns `None` if the net has a dependency cycle, for callers that report it from another net.
 ///
 /// # Errors
-/// As [`analyse`].
+/// Returns an error in the same cases as [`analyse`].
 pub fn analyse_unless_ring(
     net: Net,
     forced: impl Fn(PortRef) -> bool,

@@ -1,7 +1,7 @@
-//! Nothing may depend on itself within a cycle (M5): one finding per ring of items that wait for each other.
+//! Causality check: no flow depends on itself within a cycle (M5).
 //!
-//! Each strongly connected component of a fragment's graph gives one finding. It draws the shortest ring through the
-//! component step by step and says where a `pre` would break it.
+//! Each strongly connected component of a fragment's dependency graph gives one diagnostic. It shows the shortest
+//! dependency cycle through the component step by step, with fixes that insert a `pre`.
 
 use crate::net::{Activation, Fragment, Input, Net, NodeId, PortRef, Restart, without_calls};
 use crate::passes::dependencies::{Dependence, Dependencies, Graph, Reader};
@@ -15,10 +15,10 @@ use rpi_image::{Scalar, Type};
 use std::cell::LazyCell;
 use std::collections::BTreeMap;
 
-/// Steps that are drawn at most; a program's rings are shorter, those of damaged nets need not be.
+/// Maximal number of steps shown. Dependency cycles of programs are shorter, those of damaged nets need not be.
 const SHOWN: usize = 40;
 
-/// All rings of a net.
+/// Returns a diagnostic for each dependency cycle of a net.
 #[must_use]
 pub fn check(net: &Net, dependencies: &Dependencies) -> Vec<Finding> {
     let mut findings = Vec::new();
@@ -33,33 +33,34 @@ pub fn check(net: &Net, dependencies: &Dependencies) -> Vec<Finding> {
     findings
 }
 
-/// A step of a ring as it is told: `to` reads `from`, seen at `span`.
+/// Step of a dependency cycle as the diagnostic shows it: `to` reads `from` at `span`.
 struct Step {
     from: String,
     to: String,
     reader: Reader,
     span: Span,
-    /// The places of all reads that make `to` wait for `from`; none if they lie inside a fragment, where a `pre` would
-    /// not break the ring.
+    /// Locations of all reads that make `to` depend on `from`; empty if they are inside a fragment, where a `pre` would
+    /// not break the dependency cycle.
     reads: Vec<Span>,
-    /// Whether all of them lie behind a `->`, which gives the first value.
+    /// Whether all reads are on the right side of a `->`, whose left side gives the first value.
     has_first: bool,
 }
 
-/// A flow that needs another within the cycle, as its author knows both, and where it reads it.
+/// Read of a flow by another flow within a cycle, with source names and locations.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Read {
-    /// What is read.
+    /// Name of the flow that is read.
     pub from: String,
-    /// What reads it.
+    /// Name of the flow that reads.
     pub to: String,
-    /// Where.
+    /// Location of the first read.
     pub span: Span,
-    /// Where else: a `pre` there breaks the ring only with one at all of them.
+    /// Locations of further reads. The dependency cycle is broken only if all reads are delayed.
     pub more: Vec<Span>,
 }
 
-/// The finding about a ring of reads, each reading what the one before it defines, with a `pre` at each as a way out.
+/// Returns the diagnostic for a dependency cycle of reads. Each read uses the flow that the previous one defines. A fix
+/// offers a `pre` at each read.
 #[must_use]
 pub fn ring(reads: &[Read]) -> Finding {
     let told = |read: &Read| format!("`{}` reads `{}` here", read.to, read.from);
@@ -78,7 +79,7 @@ pub fn ring(reads: &[Read]) -> Finding {
 }
 
 const BREAK: &str =
-    "delay one step: `pre` gives the value of the cycle before, and with `->` a first one";
+    "delay one step: `pre` gives the value of the previous cycle, and `->` adds a first value";
 
 fn finding(
     net: &Net,
@@ -104,14 +105,14 @@ fn finding(
     };
     finding.help(match is_program(net) {
         true if ring.iter().any(is_fragment) => {
-            "delay one step by `pre`; a fragment is one step, whatever is delayed inside of it"
+            "delay one step with `pre`; a fragment counts as one step, regardless of delays inside it"
         }
         true => BREAK,
-        false => "delay one step by a `Pre`; one inside a fragment breaks only rings inside it",
+        false => "delay one step with a `Pre`; inside a fragment it breaks only dependency cycles there",
     })
 }
 
-/// A ring, drawn: each step by what is read, where, and in words.
+/// Diagnostic for a dependency cycle. Each step consists of the name that is read, the location, and its label.
 fn drawn(steps: &[(&str, Span, String)]) -> Finding {
     let mut names: Vec<String> = steps
         .iter()
@@ -147,8 +148,8 @@ fn told(step: &Step) -> String {
     }
 }
 
-/// The steps from one named item to the next. Parts of an expression have no names of their own; in a net without a
-/// program every item is named.
+/// Steps of a dependency cycle from one named item to the next. Subexpressions have no names. In an imported net every
+/// item counts as named.
 fn steps(net: &Net, graph: &Graph, ring: &[EdgeIndex]) -> Vec<Step> {
     let all = !ring.iter().any(|e| flow_name(net, graph, *e).is_some());
     let is_named = |e: &EdgeIndex| all || flow_name(net, graph, *e).is_some();
@@ -180,12 +181,12 @@ fn steps(net: &Net, graph: &Graph, ring: &[EdgeIndex]) -> Vec<Step> {
     steps
 }
 
-/// The places where what an edge begins at is read on the way to the named item `end`.
+/// Locations at which the source of an edge is read on the paths to the named item `end`.
 fn reads(net: &Net, graph: &Graph, edge: EdgeIndex, end: NodeIndex) -> Vec<Span> {
     let Some((from, _)) = graph.edge_endpoints(edge) else {
         return Vec::new();
     };
-    // What a state makes of a flow that it shares with others is read nowhere in the text.
+    // A state's part in a shared flow has no read in the text.
     if let Some(Item::Fragment(id)) = graph.node_weight(from)
         && is_state(net.fragment(*id))
     {
@@ -208,7 +209,7 @@ fn reads(net: &Net, graph: &Graph, edge: EdgeIndex, end: NodeIndex) -> Vec<Span>
     places
 }
 
-/// Whether every way from what an edge begins at to the named item `end` leads through the right side of a `->`.
+/// Whether every path from the source of an edge to the named item `end` passes through the right side of a `->`.
 fn has_first(net: &Net, graph: &Graph, edge: EdgeIndex, end: NodeIndex) -> bool {
     let Some((from, _)) = graph.edge_endpoints(edge) else {
         return false;
@@ -218,7 +219,7 @@ fn has_first(net: &Net, graph: &Graph, edge: EdgeIndex, end: NodeIndex) -> bool 
     !ways.any(|edge| leads_along(net, graph, (edge.target(), end), always))
 }
 
-/// Whether a node reads this in all cycles but the first.
+/// Whether the reader reads its source in all cycles but the first: the right side of a `->`.
 fn is_later(net: &Net, reader: Reader) -> bool {
     let Reader::Input(id, port) = reader else {
         return false;
@@ -233,12 +234,12 @@ fn is_later(net: &Net, reader: Reader) -> bool {
     }
 }
 
-/// Whether the first named item that a way leads to can be `end`.
+/// Whether a path without other named items leads from `start` to the named item `end`.
 fn leads_to(net: &Net, graph: &Graph, start: NodeIndex, end: NodeIndex) -> bool {
     leads_along(net, graph, (start, end), |_| true)
 }
 
-/// The same along some edges only.
+/// Like [`leads_to`], restricted to the edges that `along` accepts.
 fn leads_along(
     net: &Net,
     graph: &Graph,
@@ -273,7 +274,7 @@ fn item_name<'n>(net: &'n Net, item: Option<&Item>) -> Option<&'n str> {
     origin.flow.as_deref()
 }
 
-/// The name under which its author knows the source of an edge.
+/// Source name of the flow at which an edge begins.
 fn flow_name<'n>(net: &'n Net, graph: &Graph, edge: EdgeIndex) -> Option<&'n str> {
     item_name(net, item(graph, edge).as_ref())
 }
@@ -289,7 +290,7 @@ fn name(net: &Net, graph: &Graph, edge: EdgeIndex, source: PortRef) -> String {
     }
 }
 
-/// What the edge begins at.
+/// Item at which an edge begins.
 fn item(graph: &Graph, edge: EdgeIndex) -> Option<Item> {
     let (from, _) = graph.edge_endpoints(edge)?;
     graph.node_weight(from).copied()
@@ -304,24 +305,24 @@ fn span(net: &Net, reader: Reader) -> Span {
     }
 }
 
-/// Where the fragments stand that are not always active, and whether they are states.
+/// Locations of the fragments that are not always active, and whether each is a state of an automaton.
 fn activated(net: &Net) -> BTreeMap<Span, bool> {
     let fragments = net.fragments.iter().skip(1);
     let sometimes = fragments.filter(|f| f.activation != Activation::Always && !f.is_clock);
     sometimes.map(|f| (f.origin.span, is_state(f))).collect()
 }
 
-/// Whether a fragment is a state of an automaton, or is activated and restarted as one.
+/// Whether a fragment is a state of an automaton, or is activated and restarted like one.
 fn is_state(fragment: &Fragment) -> bool {
     fragment.activation != Activation::Always && matches!(fragment.restart, Restart::Every(_))
 }
 
-/// Whether the net comes from a program, whose flows have names.
+/// Whether the net was compiled from a program, in which flows have names.
 fn is_program(net: &Net) -> bool {
     net.nodes.iter().any(|n| n.origin.flow.is_some())
 }
 
-/// A `pre` before the expression that reads.
+/// Fix that inserts a `pre` before the expression that reads; `None` if that would not be valid.
 fn fix(net: &Net, step: &Step, activated: &BTreeMap<Span, bool>) -> Option<Fix> {
     let Reader::Input(id, _) = step.reader else {
         return None;
@@ -329,7 +330,7 @@ fn fix(net: &Net, step: &Step, activated: &BTreeMap<Span, bool>) -> Option<Fix> 
     if step.span.is_none() || !is_program(net) || step.reads.is_empty() {
         return None;
     }
-    // What is activated must stay a call, and an automaton, around its states, is no expression.
+    // An activated call must stay a call, and the automaton around a state is not an expression.
     let is_whole = |place: &Span| {
         let inside = activated.range(*place..).next();
         let inside = inside.filter(|(of, _)| of.file == place.file && of.start < place.end);
@@ -346,20 +347,20 @@ fn fix(net: &Net, step: &Step, activated: &BTreeMap<Span, bool>) -> Option<Fix> 
     ))
 }
 
-/// A read of the value of the cycle before, with a first value if its type is known.
+/// Fix that reads the value of the previous cycle, with a first value if one is given.
 fn delayed(from: &str, to: &str, places: &[Span], first: Option<&str>) -> Fix {
     let (before, after) = match first {
         Some(first) => (format!("({first} -> pre ("), "))"),
         None => ("pre (".to_owned(), ")"),
     };
-    let fix = Fix::maybe(format!("let `{to}` read `{from}` of the cycle before"));
+    let fix = Fix::maybe(format!("let `{to}` read `{from}` of the previous cycle"));
     places.iter().fold(fix, |fix, place| {
         fix.insert_before(*place, before.clone())
             .insert_after(*place, after)
     })
 }
 
-/// What a delay of a node's output could give in the first cycle.
+/// First value for a delay of a node's output; `None` for types without an obvious one.
 fn first_value(net: &Net, id: NodeId) -> Option<&'static str> {
     match net.node(id).outputs.first()? {
         Type::One(Scalar::Bool) => Some("false"),

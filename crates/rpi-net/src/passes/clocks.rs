@@ -1,10 +1,10 @@
-//! The order in which single operations of several clocks run: in runs of one clock, as few as a greedy choice makes them.
+//! Greedy scheduling of the operations of several clocks into runs of one clock, with few switches between clocks.
 //!
-//! The fragment of a clock is entered once for each run, with the same activation: state in it is the same whichever run
-//! reads or keeps it. Of all that is ready, what belongs to the clock that is entered goes first; then a clock of which
-//! nothing waits for anything outside, so that it is left for good; then the one declared first. So a net in which the
-//! clocks can be ordered as wholes enters each once. Delays and `first` wait for nothing but their clock: they go with
-//! whoever reads them first.
+//! The fragment of a clock is entered once per run, with the same activation: its state is the same in all runs. Among
+//! the ready operations, those of the current clock come first. Then comes a clock in which no operation waits for
+//! another clock, so that it need not be entered again. Then comes the clock that is declared first. A net whose clocks
+//! can be ordered as a whole enters each clock once. Delays and `first` depend only on their clock; they are scheduled
+//! with their first reader.
 
 use crate::net::{FragmentId, Net};
 use crate::passes::dependencies::{Dependencies, Graph};
@@ -16,10 +16,10 @@ use rpi_image::Role;
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 
-/// What runs in a fragment between entering and leaving it, in order. A fragment in it is entered there once more.
+/// Items that run between entering and leaving a fragment, in order. A fragment in the list is entered there once more.
 pub(super) type Run = Vec<Item>;
 
-/// The runs of a fragment and of the fragments of clocks in it; none if something depends on itself.
+/// Runs of a fragment and of the clock fragments in it; `None` if there is a dependency cycle.
 pub(super) fn runs(
     net: &Net,
     dependencies: &Dependencies,
@@ -31,16 +31,16 @@ pub(super) fn runs(
     (order.left == 0).then_some(order.runs)
 }
 
-/// A clock, or the level itself.
+/// Scheduling state of a clock, or of the level itself.
 #[derive(Default)]
 struct Clock {
-    /// Operations that wait for nothing.
+    /// Operations whose inputs have all been scheduled.
     ready: BinaryHeap<Reverse<NodeIndex>>,
-    /// How many there are here and in the clocks within.
+    /// Number of ready operations in this clock and the clocks inside it.
     ready_within: usize,
-    /// How much in it waits for something outside.
+    /// Number of edges from outside into this clock that are not satisfied yet.
     waiting: usize,
-    /// The clocks directly in it of which something is ready: those that wait for nothing outside come first.
+    /// Direct child clocks with ready operations. Those without outside dependencies come first.
     next: BTreeSet<(bool, FragmentId)>,
 }
 
@@ -49,15 +49,15 @@ struct Order<'a> {
     graph: &'a Graph,
     level: FragmentId,
     clocks: BTreeMap<FragmentId, Clock>,
-    /// For each vertex what it waits for.
+    /// For each vertex, the number of edges that are not satisfied yet.
     waiting: Vec<usize>,
-    /// Vertices that go with their first reader.
+    /// For each vertex, whether it is scheduled with its first reader.
     carried: Vec<bool>,
-    /// Vertices that have run.
+    /// For each vertex, whether it has been scheduled.
     done: Vec<bool>,
-    /// How many have not.
+    /// Number of vertices that have not been scheduled.
     left: usize,
-    /// The clocks that are entered, each in the one before, with what has run in them.
+    /// Stack of the entered clocks, each with its current run.
     open: Vec<(FragmentId, Run)>,
     runs: Vec<(FragmentId, Run)>,
 }
@@ -97,7 +97,7 @@ impl<'a> Order<'a> {
         order
     }
 
-    /// The fragment in which a vertex stands.
+    /// Fragment that directly contains a vertex.
     fn home(&self, v: NodeIndex) -> FragmentId {
         match self.graph[v] {
             Item::Node(id) => self.net.node(id).fragment,
@@ -105,13 +105,13 @@ impl<'a> Order<'a> {
         }
     }
 
-    /// The clocks from a fragment outwards, without the level.
+    /// Clocks from a fragment outwards, excluding the level.
     fn outwards(&self, from: FragmentId) -> impl Iterator<Item = FragmentId> + use<'a> {
         let level = self.level;
         self.net.enclosing(from).take_while(move |f| *f != level)
     }
 
-    /// The clocks that one has to enter on the way from one vertex to another.
+    /// Clocks that are entered on the way from one vertex to another.
     fn entered(&self, from: NodeIndex, to: NodeIndex) -> Vec<FragmentId> {
         let (from, to) = (self.home(from), self.home(to));
         if from == to {
@@ -122,7 +122,7 @@ impl<'a> Order<'a> {
         clocks.filter(|clock| !around.contains(clock)).collect()
     }
 
-    /// Whether a vertex waits for its clock alone and is read by that clock alone.
+    /// Whether a vertex depends only on its clock and is read only in that clock.
     fn is_carried(&self, v: NodeIndex) -> bool {
         let Item::Node(id) = self.graph[v] else {
             return false;
@@ -137,7 +137,7 @@ impl<'a> Order<'a> {
     }
 
     fn start(&mut self) {
-        // What is carried makes others ready on the way, which must not be taken for ready from the start.
+        // Collects the free vertices first: carried ones make further vertices ready, which must not be counted twice.
         let free = |v: &NodeIndex| self.waiting[v.index()] == 0;
         let free: Vec<NodeIndex> = self.graph.node_indices().filter(free).collect();
         for v in free {
@@ -156,7 +156,7 @@ impl<'a> Order<'a> {
         self.count(home, 1);
     }
 
-    /// So many more, or one less, are ready in a clock.
+    /// Adds `change` to the number of ready operations of a clock and of the clocks around it.
     fn count(&mut self, home: FragmentId, change: isize) {
         let around: Vec<FragmentId> = self.outwards(home).collect();
         for clock in around {
@@ -166,7 +166,7 @@ impl<'a> Order<'a> {
         }
     }
 
-    /// Enters a clock into the choice of the one around it, or takes it out.
+    /// Updates the entry of a clock among the candidates of its parent.
     fn choose(&mut self, id: FragmentId) {
         let Some(clock) = self.clocks.get(&id) else {
             return;
@@ -181,7 +181,7 @@ impl<'a> Order<'a> {
         }
     }
 
-    /// Whoever waits for a vertex waits for one less.
+    /// Marks a vertex as done: decrements the open dependencies of its readers.
     fn release(&mut self, v: NodeIndex) {
         let graph = self.graph;
         for edge in graph.edges(v) {
@@ -217,7 +217,7 @@ impl<'a> Order<'a> {
         }
     }
 
-    /// Runs a vertex, behind what is carried to it.
+    /// Schedules a vertex after the vertices that are carried to it.
     fn take(&mut self, v: NodeIndex) {
         let mut carried: Vec<NodeIndex> = self
             .graph
@@ -241,7 +241,7 @@ impl<'a> Order<'a> {
         }
     }
 
-    /// Leaves the clock that is entered.
+    /// Leaves the current clock.
     fn leave(&mut self) {
         let Some((at, run)) = self.open.pop() else {
             return;
@@ -255,7 +255,7 @@ impl<'a> Order<'a> {
         self.put_rest();
     }
 
-    /// What nobody reads within the cycle runs last in its clock.
+    /// Schedules carried vertices without a reader in this cycle at the end of their clocks.
     fn put_rest(&mut self) {
         let rest = |v: &NodeIndex| self.carried[v.index()] && !self.done[v.index()];
         let rest: Vec<NodeIndex> = self.graph.node_indices().filter(rest).collect();
@@ -270,7 +270,7 @@ impl<'a> Order<'a> {
         }
     }
 
-    /// The last run of a fragment; it is entered at the end if it has none.
+    /// Index of the last run of a fragment. Enters the fragment at the end if it has no run.
     fn last_run(&mut self, fragment: FragmentId) -> usize {
         let mut path = Vec::new();
         let mut at = fragment;

@@ -1,24 +1,25 @@
-//! What must hold for a Boolean flow to be true: the flow as a conjunction of other flows, each as it is or negated.
+//! Decomposition of a Boolean flow into a conjunction of other flows, each plain or negated.
 //!
-//! Only what follows from the gates themselves is used (and; not; or, under a negation, by De Morgan): a conjunction is
-//! true exactly if its flow is, absent values included, as an absent part makes neither true.
+//! Only the gates themselves are used: and, not, and negated or (De Morgan). The conjunction is true exactly if its
+//! flow is true. This includes absent values, since an absent part makes neither true.
 
 use crate::net::{Input, Net, Node, PortRef};
 use crate::prim;
 use rpi_image::{CommandFlow, Role, Value};
 use std::collections::BTreeSet;
 
-/// The parts of a conjunction. All of them hold exactly if the flow is true.
+/// Literals of a conjunction. All of them hold exactly if the flow is true.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Default, Debug)]
 pub struct Conjunction {
-    /// Whether the command must have been asked to end, or must not; nothing if that does not matter.
+    /// Required value of the cancel request: `Some(true)` if the command must have been cancelled, `None` if it does
+    /// not matter.
     pub cancelled: Option<bool>,
-    /// The other flows, and what each of them must be.
+    /// Other flows with the value that each must have.
     pub flows: BTreeSet<(PortRef, bool)>,
 }
 
 impl Conjunction {
-    /// The parts of which a Boolean flow consists; none if it can never be true.
+    /// Returns the literals of a Boolean flow; `None` if it can never be true.
     #[must_use]
     pub fn of(net: &Net, flow: &Input) -> Option<Conjunction> {
         let mut found = Conjunction::default();
@@ -54,17 +55,17 @@ impl Conjunction {
     }
 }
 
-/// What a node's output is in a conjunction.
+/// Contribution of a node's output to a conjunction.
 enum Part<'a> {
-    /// It is what is wanted.
+    /// The output always has the required value.
     Always,
-    /// It is never what is wanted.
+    /// The output never has the required value.
     Never,
-    /// It is if all inputs are this.
+    /// The output has the required value exactly if all inputs have this value.
     Both(&'a [Input], bool),
-    /// Whether the command was asked to end.
+    /// The output is the cancel request of the command.
     Cancelled,
-    /// A part of its own.
+    /// The output is a literal of the conjunction.
     Flow,
 }
 

@@ -1,52 +1,52 @@
-//! What must be computed before what: one graph per fragment.
+//! Dependency graphs: for each fragment, which items must be computed before which.
 //!
 //! The vertices of a fragment's graph are its nodes and its child fragments. A child fragment is one vertex: it waits
-//! for its activation and for everything that is read from inside it or declared as its in-port, whatever reads it
-//! there; so a `pre` breaks a cycle only at the level at which the cycle runs (M6). A delay in the graph's own fragment
-//! waits for nothing: it is latched after the cycle.
+//! for its activation and for every flow that is read inside it or declared as its in-port, whichever node reads it. So
+//! a `pre` breaks a dependency cycle only at the level of that cycle (M6). A delay directly in the fragment waits for
+//! nothing, since it is latched after the cycle.
 //!
-//! A fragment that gathers operations of one clock is transparent: its operations are vertices of the graph around it, which
-//! wait for what they read, and for the clock. The vertex of such a fragment stands for its activation alone.
+//! A fragment that groups operations of one clock is transparent: its operations are vertices of the enclosing graph
+//! and wait for their inputs and for the clock. The vertex of such a fragment represents only its activation.
 
 use crate::net::{Activation, FragmentId, Input, Net, NodeId, PortRef, Restart};
 use crate::tree::{Item, Tree};
 use petgraph::graph::{DiGraph, NodeIndex};
 use rpi_image::{Role, Value};
 
-/// Who reads a flow.
+/// Reader of a flow.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Reader {
-    /// An in-port of a node, by index.
+    /// In-port of a node, by index.
     Input(NodeId, u32),
-    /// The activation of a fragment.
+    /// Activation condition of a fragment.
     Activation(FragmentId),
-    /// The restart condition of a fragment.
+    /// Restart condition of a fragment.
     Restart(FragmentId),
-    /// A declared in-port of a fragment, by index.
+    /// Declared in-port of a fragment, by index.
     InPort(FragmentId, u32),
 }
 
-/// One link that makes an item wait for another.
+/// Dependence of one item on another: the label of an edge.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Dependence {
-    /// The flow that is read.
+    /// Flow that is read.
     pub source: PortRef,
-    /// Who reads it.
+    /// Reader of the flow.
     pub reader: Reader,
 }
 
-/// The dependency graphs of all fragments of a net; edges run from what is read to who reads it.
+/// Dependency graphs of all fragments of a net. Edges run from source to reader.
 #[derive(Clone, Debug)]
 pub struct Dependencies {
     graphs: Vec<Graph>,
     is_clock: Vec<bool>,
 }
 
-/// Vertices are numbered in declaration order.
+/// Dependency graph of a fragment. Vertices are numbered in declaration order.
 pub(crate) type Graph = DiGraph<Item, Dependence>;
 
 impl Dependencies {
-    /// The graphs of a net.
+    /// Builds the graphs of a net.
     #[must_use]
     pub fn new(net: &Net, tree: &Tree) -> Self {
         let mut builder = Builder::new(net, tree);
@@ -60,7 +60,7 @@ impl Dependencies {
         }
     }
 
-    /// The graphs of no net.
+    /// Empty placeholder without graphs.
     pub(crate) fn none() -> Self {
         Dependencies {
             graphs: Vec::new(),
@@ -72,18 +72,18 @@ impl Dependencies {
         &self.graphs[fragment.index()]
     }
 
-    /// Whether a fragment only gathers operations of one clock.
+    /// Whether a fragment only groups operations of one clock.
     pub(crate) fn is_clock(&self, fragment: FragmentId) -> bool {
         self.is_clock[fragment.index()]
     }
 
-    /// All fragments.
+    /// All fragment indices.
     pub(crate) fn fragments(&self) -> impl Iterator<Item = FragmentId> + use<> {
         (0..u32::try_from(self.graphs.len()).unwrap_or(u32::MAX)).map(FragmentId)
     }
 }
 
-/// Every reading of a flow that counts for the order: who reads, the fragment in which the reading stands, and what.
+/// All reads that affect the order: the reader, the fragment that contains it, and the flow.
 fn links(net: &Net) -> impl Iterator<Item = (Reader, FragmentId, PortRef)> + '_ {
     let nodes = net.node_ids().flat_map(move |id| {
         let node = net.node(id);
@@ -140,7 +140,7 @@ impl<'a> Builder<'a> {
         builder
     }
 
-    /// Adds a fragment's graph, its vertices in declaration order.
+    /// Adds the graph of a fragment with its vertices in declaration order.
     fn add_vertices(&mut self, fragment: FragmentId) {
         if self.net.fragment(fragment).is_clock {
             return self.graphs.push(Graph::new());
@@ -157,7 +157,7 @@ impl<'a> Builder<'a> {
         self.graphs.push(graph);
     }
 
-    /// Lets all that stands in the fragment of a clock wait for the clock.
+    /// Makes all contents of a clock fragment depend on the clock.
     fn connect_clock(&mut self, clock: FragmentId) {
         let Activation::When { condition, .. } = self.net.fragment(clock).activation else {
             return;
@@ -175,20 +175,20 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// The innermost fragment around one, or it itself, that has a graph.
+    /// Innermost fragment with a graph that is or encloses `fragment`.
     fn level(&self, fragment: FragmentId) -> FragmentId {
         let mut around = self.net.enclosing(fragment);
         let level = around.find(|around| !self.net.fragment(*around).is_clock);
         level.unwrap_or(FragmentId::ROOT)
     }
 
-    /// The fragment that stands for `inner` at a level: the outermost below it that is no clock's.
+    /// Fragment that represents `inner` in the graph of `level`: the outermost one below it that is not a clock.
     fn child_towards(&self, level: FragmentId, inner: FragmentId) -> Option<FragmentId> {
         let below = self.tree.between(inner, level);
         below.filter(|f| !self.net.fragment(*f).is_clock).last()
     }
 
-    /// Adds the edge of one reading, in the innermost fragment that encloses both ends.
+    /// Adds the edge of one read to the graph of the innermost fragment that encloses both ends.
     fn connect(&mut self, reader: Reader, place: FragmentId, source: PortRef) {
         let origin = self.net.node(source.node).fragment;
         let level = self.level(self.tree.common(place, origin));
@@ -202,7 +202,7 @@ impl<'a> Builder<'a> {
         self.graphs[level.index()].add_edge(from, to, Dependence { source, reader });
     }
 
-    /// The vertex that waits at this level; none for a delay, which waits for nothing.
+    /// Vertex that waits for the flow at this level; `None` for a delay, which waits for nothing.
     fn reading_vertex(
         &self,
         reader: Reader,
@@ -223,13 +223,13 @@ impl<'a> Builder<'a> {
 }
 
 impl Input {
-    /// An in-port that reads a constant.
+    /// Creates an in-port that reads a constant.
     #[must_use]
     pub fn constant(value: Value) -> Input {
         Input::Const(Box::new(value))
     }
 
-    /// The flow that is read, unless it is a constant or nothing.
+    /// Flow that is read; `None` for a constant or an unconnected in-port.
     #[must_use]
     pub fn port(&self) -> Option<PortRef> {
         match self {

@@ -1,12 +1,12 @@
-//! Whether a command can end (M10): some `finish` must be reachable, and every result should be. A test is told when it
-//! runs that it does not finish.
+//! Termination check (M10): some `finish` must be reachable, and every result should be. For a test, an unreachable
+//! `finish` is reported at run time.
 
 use super::proof::{Background, Effort, never_true_without};
 use crate::net::{Driver, FragmentId, Input, Net, PortRef, ResultKind, ResultPort};
 use rpi_diag::{Code, Finding};
 use rpi_image::{CommandFlow, Role};
 
-/// What is wrong with the ends of a program. Imported nets may run until they are stopped from outside.
+/// Returns diagnostics about the results of a program. Imported nets may run until they are stopped from outside.
 pub(crate) fn check(background: Background<'_>) -> Vec<Finding> {
     let Driver::Results(results) = &background.net.driver else {
         return Vec::new();
@@ -34,7 +34,7 @@ pub(crate) fn check(background: Background<'_>) -> Vec<Finding> {
             .into_iter()
             .collect();
     }
-    // That no `finish` can happen is one fault and has one message.
+    // Unreachable `finish` results are reported together, as one error.
     let others = those(true).filter(|r| !(is_endless && finishes(r)));
     let mut findings: Vec<Finding> = others.map(unreachable).collect();
     let alive: Vec<usize> = (0..results.len()).filter(|k| !dead[*k]).collect();
@@ -45,7 +45,7 @@ pub(crate) fn check(background: Background<'_>) -> Vec<Finding> {
     if is_endless {
         findings.push(endless(background, results, all));
     } else if !background.net.is_test && hidden_finishes == those(false).filter(finishes).count() {
-        // One fault again.
+        // Again, all `finish` results share one diagnostic.
         let first = hidden.iter().find(|(r, _)| finishes(r));
         findings.extend(first.map(|(r, first)| always_before(background.net, r, first)));
         hidden.retain(|(r, _)| !finishes(r));
@@ -54,26 +54,26 @@ pub(crate) fn check(background: Background<'_>) -> Vec<Finding> {
     findings
 }
 
-/// What was found out about the ends, in words.
+/// Summary of the termination check.
 pub(crate) fn told(net: &Net, faults: usize) -> String {
     match &net.driver {
         Driver::Results(results) if faults == 0 => {
             let names: Vec<&str> = results.iter().map(|r| r.name.as_str()).collect();
             format!(
-                "{} results, each can happen: {}",
+                "{} results, all reachable: {}",
                 names.len(),
                 names.join(", ")
             )
         }
-        Driver::Results(results) => format!("{} results, {faults} faults", results.len()),
-        Driver::Ports { .. } => "it does not end by results".to_owned(),
+        Driver::Results(results) => format!("{} results, {faults} diagnostics", results.len()),
+        Driver::Ports { .. } => "no results".to_owned(),
     }
 }
 
-/// Nodes that all proofs about the ends of a command look at together, at most.
+/// Maximal number of nodes that all proofs about the results of one command visit together.
 const EFFORT: u32 = 300_000;
 
-/// Proofs about when results happen.
+/// Proofs about the conditions of results.
 struct Proofs<'a> {
     background: Background<'a>,
     effort: Effort,
@@ -88,23 +88,23 @@ impl Proofs<'_> {
         }
     }
 
-    /// Whether a condition is never true while others are false.
+    /// Whether a condition is false whenever all `others` are false.
     fn never_without(&self, condition: PortRef, others: &[PortRef]) -> bool {
         let seen = (FragmentId::ROOT, condition);
         never_true_without(self.background, &self.effort, seen, others)
     }
 
-    /// Whether a result happens only where a successor takes over (M10.4).
+    /// Whether a result happens only if a successor takes over (M10.4).
     fn waits(&self, result: &ResultPort, takeover: &[PortRef]) -> bool {
         let condition = result.condition.port();
         condition.is_some_and(|condition| self.never_without(condition, takeover))
     }
 }
 
-/// Results of one kind that are looked at for whether they go before others.
+/// Maximal number of results of one kind that are tested for precedence over others.
 const LOOKED_AT: usize = 8;
 
-/// The results that may go before others whenever these could happen (M10.1): a `yield` does so only into a successor.
+/// Results that may take precedence over others (M10.1). A `yield` is not among them, since it needs a successor.
 struct Order<'r> {
     results: &'r [ResultPort],
     fails: Vec<usize>,
@@ -124,7 +124,7 @@ impl<'r> Order<'r> {
         }
     }
 
-    /// The first result that goes before another one whenever this one's condition is true.
+    /// First result that takes precedence over result `at` whenever the condition of `at` is true.
     fn before(&self, proofs: &Proofs<'_>, at: usize) -> Option<&'r ResultPort> {
         let own = &self.results[at];
         let is_fail = own.kind == ResultKind::Fail;
@@ -147,7 +147,7 @@ fn covered(result: &ResultPort, first: &ResultPort) -> Finding {
     behind(Finding::new(Code::RPI6103, message), result, first)
 }
 
-/// Before each `finish` another result happens.
+/// Diagnostic for a command whose every `finish` is preceded by another result.
 fn always_before(net: &Net, finish: &ResultPort, first: &ResultPort) -> Finding {
     let message = format!("command `{}` can never finish", net.name);
     behind(Finding::new(Code::RPI6102, message), finish, first)
@@ -157,13 +157,13 @@ fn behind(finding: Finding, result: &ResultPort, first: &ResultPort) -> Finding 
     finding
         .at(
             result.origin.span,
-            format!("whenever this is true, `{}` goes before it", first.name),
+            format!("whenever this is true, `{}` takes precedence", first.name),
         )
-        .also(first.origin.span, "this is true then, too")
-        .help("`fail` goes before other results, and these in the order of the text")
+        .also(first.origin.span, "this is also true then")
+        .help("`fail` comes first, then the other results in text order")
 }
 
-/// Where it is asked whether a successor takes over.
+/// Flows that say whether a successor takes over.
 fn takeover(net: &Net) -> Vec<PortRef> {
     let is_takeover = |id: &_| net.node(*id).desc().role == Role::Flow(CommandFlow::Takeover);
     let asked = net.node_ids().filter(is_takeover);
@@ -172,18 +172,20 @@ fn takeover(net: &Net) -> Vec<PortRef> {
 
 fn waiting(net: &Net, finish: &ResultPort) -> Finding {
     let name = &net.name;
-    let message = format!("command `{name}` can never finish without a successor");
+    let message = format!("command `{name}` cannot finish without a successor");
     Finding::new(Code::RPI6102, message)
         .at(finish.origin.span, "this is true only with `takeover`")
         .help("a command must be able to end without a successor: add `finish r when c`")
 }
 
-/// Whether it is told that a result can never happen: true of a command only if it is of each of its nets.
+/// Whether the diagnostic says that a result is unreachable. For a command this holds only if it holds for each of its
+/// nets.
 pub fn is_unreachable(finding: &Finding) -> bool {
     finding.code == Code::RPI6103
 }
 
-/// Whether it is told that a command can never finish: an error of each of its nets, whatever the others do.
+/// Whether the diagnostic says that a command can never finish. This is an error in each of its nets, independently of
+/// the others.
 pub fn is_endless(finding: &Finding) -> bool {
     finding.code == Code::RPI6102
 }
@@ -206,7 +208,7 @@ fn endless(background: Background<'_>, results: &[ResultPort], finishes: usize) 
         });
     let what = match finishes {
         0 => "there is no `finish` among its results",
-        _ => "the condition of no `finish` can be true",
+        _ => "no `finish` condition can ever be true",
     };
     finding
         .at(place, what)

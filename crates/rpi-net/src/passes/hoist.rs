@@ -1,10 +1,10 @@
-//! Delays of the first generation's nets, moved to the level of the ring that they break.
+//! Hoists delays of first-generation nets to the level of the dependency cycle that they break.
 //!
-//! In a fragment's surroundings the fragment is one vertex that waits for its activation (M6), so a `Pre` inside it
-//! breaks no ring outside. The reference's first generation wrote its nets for another rule: whoever reads a `Pre`, even
-//! through out-ports of fragments, does not wait for it, and gets what the fragment handed over in the cycle before if it
-//! was active then. A `Pre` outside, on the same flow, means exactly that. So where such a reading closes a ring, it is
-//! given one. Rings that remain are faults.
+//! To its parent, a fragment is one vertex that waits for its activation (M6), so a `Pre` inside it breaks no
+//! dependency cycle outside. The reference system's first generation had another rule: a reader of a `Pre`, even
+//! through out-ports of fragments, does not wait for it, and gets the value of the previous cycle if the fragment was
+//! active then. A `Pre` on the same flow outside the fragment means the same. So one is added where such a read closes
+//! a dependency cycle. Dependency cycles that remain are errors.
 
 use crate::net::{Activation, Driver, FragmentId, Input, Net, Node, PortRef, Restart};
 use crate::passes::dependencies::{Dependence, Dependencies, Graph, Reader};
@@ -14,8 +14,8 @@ use petgraph::visit::EdgeRef;
 use rpi_image::Role;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Moves delays of an imported net out of fragments where that breaks a ring; the number of delays added.
-/// `dependencies` are those of the net as it is.
+/// Hoists delays of an imported net out of fragments where that breaks a dependency cycle. Returns the number of added
+/// delays. `dependencies` are those of the unchanged net.
 pub fn hoist_delays(net: &mut Net, dependencies: &Dependencies) -> usize {
     if !matches!(net.driver, Driver::Ports { .. }) {
         return 0;
@@ -34,7 +34,8 @@ pub fn hoist_delays(net: &mut Net, dependencies: &Dependencies) -> usize {
     added
 }
 
-/// Delays inside of child fragments whose reading closes a ring here, with all that read them from here.
+/// Delays inside child fragments whose readers close a dependency cycle at this level, with all their readers at this
+/// level.
 fn late_readings(net: &Net, graph: &Graph) -> BTreeMap<PortRef, Vec<Reader>> {
     let is_delay = |d: &Dependence| net.node(d.source.node).desc().role == Role::Delay;
     let from_inside = |v| matches!(graph[v], Item::Fragment(f) if !net.fragment(f).is_clock);
@@ -62,7 +63,7 @@ fn late_readings(net: &Net, graph: &Graph) -> BTreeMap<PortRef, Vec<Reader>> {
     readings
 }
 
-/// A delay at `level` of what the delay `port` inside of it delays.
+/// Adds a copy of the delay `port` at `level`. It reads the same flow as the inner delay.
 fn outside(net: &mut Net, level: FragmentId, port: PortRef) -> PortRef {
     let inside = net.node(port.node);
     let node = Node {
@@ -91,7 +92,7 @@ fn redirect(net: &mut Net, reader: Reader, to: PortRef) {
     }
 }
 
-/// A name like `wanted` that nothing in a fragment has.
+/// Returns a name like `wanted` that is unused in a fragment.
 fn free_name(net: &Net, level: FragmentId, wanted: &str) -> String {
     let nodes = net
         .nodes

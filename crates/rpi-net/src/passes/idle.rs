@@ -1,4 +1,5 @@
-//! Flows that only they themselves read: a counter that nobody looks at, two delays that hand each other their values.
+//! Dead state: flows that are read only by themselves, such as a counter without a reader or two delays that read each
+//! other.
 
 use super::live;
 use crate::net::{Input, Net, NodeId, without_calls};
@@ -7,7 +8,7 @@ use rpi_diag::{Code, Finding, Span};
 use rpi_image::Role;
 use std::collections::BTreeMap;
 
-/// A warning for each group of named flows that nothing outside of the group reads; `live` and `used` are as in
+/// Returns a warning for each group of named flows that no flow outside the group reads. `live` and `used` are as in
 /// [`live`].
 pub(super) fn check(net: &Net, live: &[bool], used: &[bool]) -> Vec<Finding> {
     let may_be = |at: usize| used[at] && !live[at];
@@ -35,23 +36,23 @@ pub(super) fn check(net: &Net, live: &[bool], used: &[bool]) -> Vec<Finding> {
         .collect()
 }
 
-/// The flow of the program that a node computes, unless it is meant to stay.
+/// Source flow that a node computes; `None` if its name begins with `_`, which marks it as intended.
 fn flow(net: &Net, id: NodeId) -> Option<(Span, &str)> {
     let origin = &net.node(id).origin;
     let name = origin.flow.as_deref()?;
     (!origin.span.is_none() && !name.starts_with('_')).then_some((origin.span, name))
 }
 
-/// Whether a node computes a flow that is meant to stay, read or not: so is what that is made of.
+/// Whether a node computes a flow whose name begins with `_`. Its inputs are intended as well.
 fn is_meant(net: &Net, id: NodeId) -> bool {
     let flow = net.node(id).origin.flow.as_deref();
     flow.is_some_and(|name| name.starts_with('_'))
 }
 
-/// For each node whether it is read, and from nowhere a way leads from it to what nobody reads, to what is meant to stay, or
-/// to an effect.
+/// For each node, whether it is dead state: it is read, but no path leads from it to an unread flow, an intended flow
+/// or an effect.
 fn idle(net: &Net, live: &[bool], used: &[bool]) -> Vec<bool> {
-    // Constants, and whether it is the first cycle, are shared: they connect nothing.
+    // Constants and `first` have no inputs and are shared; they must not connect groups.
     let may_be = net.nodes.iter().zip(live);
     let may_be = may_be.map(|(node, live)| !live && !node.inputs.is_empty());
     let mut idle: Vec<bool> = may_be.collect();
@@ -71,8 +72,8 @@ fn sources(net: &Net, id: NodeId) -> impl Iterator<Item = NodeId> + '_ {
     ports.map(|port| port.node)
 }
 
-/// The idle nodes, together with those that they read or are read by. Without the groups in which nothing is delayed:
-/// a ring without a delay is told as such.
+/// Connected components of the dead nodes. A group without a delay is left out, since it is reported as a dependency
+/// cycle.
 fn groups(net: &Net, idle: &[bool]) -> Vec<Vec<NodeId>> {
     let mut joined: UnionFind<u32> = UnionFind::new(idle.len());
     let members = || net.node_ids().filter(|id| idle[id.index()]);
@@ -93,7 +94,7 @@ fn groups(net: &Net, idle: &[bool]) -> Vec<Vec<NodeId>> {
     groups.into_values().collect()
 }
 
-/// Flows of a group that are named.
+/// Maximal number of flows named in a diagnostic.
 const NAMED: usize = 8;
 
 fn finding(places: &[Span], names: &[&str]) -> Finding {
@@ -104,18 +105,18 @@ fn finding(places: &[Span], names: &[&str]) -> Finding {
         .collect();
     quoted.dedup();
     let message = match &quoted[..] {
-        [one] => format!("nothing else uses {one}"),
+        [one] => format!("{one} is only used by itself"),
         many if names.len() > NAMED => {
             let more = names.len() - NAMED;
             format!(
-                "nothing but one another uses {} and {more} more",
+                "{} and {more} more are only used by each other",
                 many.join(", ")
             )
         }
-        many => format!("nothing but one another uses {}", many.join(", ")),
+        many => format!("{} are only used by each other", many.join(", ")),
     };
     let finding = Finding::new(Code::RPI3101, message)
-        .help("delete it, or let its name begin with `_` if it shall stay");
+        .help("delete it, or start its name with `_` to keep it");
     let places = places.iter().take(NAMED);
     places.fold(finding, |finding, place| {
         finding.at(*place, "computed here")

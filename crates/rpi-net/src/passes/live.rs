@@ -1,4 +1,4 @@
-//! What has an effect outside the net, and which flows of a program have none.
+//! Liveness: nodes with an effect outside the net, and unused flows of a program.
 
 use super::idle;
 use crate::net::{Activation, Driver, FragmentId, Input, Net, NodeId, Restart, without_calls};
@@ -6,12 +6,12 @@ use rpi_diag::{Code, Finding, Span};
 use rpi_image::{PrimDesc, Role};
 use std::collections::BTreeSet;
 
-/// For each node whether something that leaves the net depends on it.
+/// For each node, whether a result, an export or an effect depends on it.
 #[must_use]
 pub fn live(net: &Net) -> Vec<bool> {
     let mut search = Search::new(net);
     effects(net).for_each(|id| search.mark(id));
-    // Most nodes read what stands before them: one sweep backwards, as they lie in memory, meets nearly all.
+    // Most nodes read earlier ones, so one backward sweep in memory order marks nearly all live nodes.
     for id in net.node_ids().rev() {
         search.sweep = id.index();
         if search.live[id.index()] {
@@ -24,14 +24,14 @@ pub fn live(net: &Net) -> Vec<bool> {
     search.live
 }
 
-/// A search for what is live, on its way.
+/// State of the search for live nodes.
 struct Search<'n> {
     net: &'n Net,
     live: Vec<bool>,
     seen: Vec<bool>,
-    /// The sweep has come to this node.
+    /// Index of the node that the sweep has reached.
     sweep: usize,
-    /// What it has passed and was found to be live later.
+    /// Live nodes behind the sweep that still have to be followed.
     open: Vec<NodeId>,
 }
 
@@ -53,7 +53,7 @@ impl<'n> Search<'n> {
         }
     }
 
-    /// Marks what a live node depends on.
+    /// Marks the nodes that a live node depends on.
     fn follow(&mut self, id: NodeId) {
         let net = self.net;
         let node = net.node(id);
@@ -70,13 +70,13 @@ impl<'n> Search<'n> {
     }
 }
 
-/// Whether a primitive is there for what it does and not for a value.
+/// Whether a primitive is used for its effect rather than a value.
 #[must_use]
 pub fn acts(desc: &PrimDesc) -> bool {
     matches!(desc.role, Role::Actuator(_) | Role::Export) || desc.outputs.is_empty()
 }
 
-/// Nodes that act on the outside, and those of which the command's end or exports are made.
+/// Nodes with an effect outside, and the sources of the command's results and exports.
 fn effects(net: &Net) -> impl Iterator<Item = NodeId> + '_ {
     let acting = net.node_ids().filter(|id| acts(net.node(*id).desc()));
     let ends: Vec<&Input> = match &net.driver {
@@ -102,11 +102,11 @@ fn conditions(net: &Net, id: FragmentId) -> impl Iterator<Item = NodeId> {
     activation.into_iter().chain(restart)
 }
 
-/// A warning for each named flow of a program that nothing reads, in any of its instances, and that no fragment gives
-/// out. Names that begin with `_` are meant so.
+/// Returns a warning for each named flow of a program that is never used: no instance of it is read or is a port of a
+/// fragment. A name that begins with `_` suppresses the warning.
 pub(crate) fn check(net: &Net, live: &[bool]) -> Vec<Finding> {
     let used = used(net, live);
-    // What is set from outside is not computed here, whoever reads it.
+    // Inputs are set from outside rather than computed, so an unused one is not reported here.
     let dead = net.nodes.iter().zip(&used);
     let dead = dead.filter(|(node, used)| !**used && node.desc().role != Role::Input);
     let dead = dead.filter_map(|(n, _)| Some((n.origin.span, n.origin.flow.as_deref()?)));
@@ -126,7 +126,7 @@ pub(crate) fn check(net: &Net, live: &[bool]) -> Vec<Finding> {
     dead.chain(idle::check(net, live, &used)).collect()
 }
 
-/// For each node whether it is live, read by another or given out by a fragment.
+/// For each node, whether it is live, is read by another node or is a port of a fragment.
 fn used(net: &Net, live: &[bool]) -> Vec<bool> {
     let mut used = live.to_vec();
     let read = net.nodes.iter().flat_map(|node| &node.inputs);
@@ -137,24 +137,24 @@ fn used(net: &Net, live: &[bool]) -> Vec<bool> {
     used
 }
 
-/// The nodes that fragments take in or give out.
+/// Nodes that are sources of fragment ports.
 pub(super) fn given(net: &Net) -> impl Iterator<Item = NodeId> + '_ {
     let ports = net.fragments.iter();
     let ports = ports.flat_map(|f| f.inputs.iter().chain(&f.outputs));
     ports.filter_map(|port| Some(port.source.port()?.node))
 }
 
-/// The finding about a flow that nothing uses.
+/// Returns the diagnostic for a flow that is never used.
 #[must_use]
 pub fn unused(span: Span, name: &str) -> Finding {
     let name = without_calls(name);
-    Finding::new(Code::RPI3101, format!("nothing uses `{name}`"))
+    Finding::new(Code::RPI3101, format!("`{name}` is never used"))
         .at(span, "computed here")
         .help(
             match name.contains(|c: char| !c.is_alphanumeric() && c != '_') {
-                // A path is nothing that can be declared: which part of it is the flow's name, the text at the label shows.
-                true => "delete it, or let its name begin with `_` if it shall stay".to_owned(),
-                false => format!("delete it, or call it `_{name}` if it shall stay"),
+                // A path cannot be declared, so no name is suggested; the label shows which part is the flow's name.
+                true => "delete it, or start its name with `_` to keep it".to_owned(),
+                false => format!("delete it, or rename it to `_{name}` to keep it"),
             },
         )
 }

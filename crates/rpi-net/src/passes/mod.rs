@@ -1,4 +1,4 @@
-//! What is found out about a net before it is lowered, one file per question.
+//! Analyses and checks of a net before lowering, one file per pass.
 //!
 //! [`PASSES`] lists them in the order in which they run; [`analyse`] runs them.
 

@@ -1,8 +1,8 @@
-//! Which flows can be absent: the least solution of the descriptors' presence rules.
+//! Presence analysis: which flows may be absent. It is the least fixed point of the descriptors' presence rules.
 //!
-//! A flow's [`Sureness`] holds in the cycles in which its own fragment is active. Who reads it from elsewhere sees it
-//! absent, too, whenever one of the fragments around it that do not enclose the reader is inactive: [`Presences::view`]
-//! names them. A port that is total costs nothing at run time.
+//! A flow's [`Sureness`] holds in the cycles in which its own fragment is active. A reader elsewhere also sees it
+//! absent whenever an intermediate fragment, which encloses the flow but not the reader, is inactive:
+//! [`Presences::view`] returns these fragments. A total port has no run-time cost.
 
 use crate::net::{Activation, FragmentId, Input, Net, Node, NodeId, PortRef};
 use crate::passes::schedule::Schedule;
@@ -13,41 +13,41 @@ use rpi_image::{Presence, Role};
 use smallvec::SmallVec;
 use std::ops::BitOr;
 
-/// Fragments between a flow and its reader; few, as a rule.
+/// Fragments between a flow and its reader. Usually few.
 type Gates = SmallVec<[FragmentId; 4]>;
 
-/// Whether a flow is present in the cycles in which its fragment is active.
+/// Presence of a flow in the cycles in which its fragment is active.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum Sureness {
-    /// In each.
+    /// Present in every cycle.
     Total,
-    /// In some, in some not, as far as is known.
+    /// May be present or absent.
     Optional,
-    /// In none.
+    /// Absent in every cycle.
     Never,
 }
 
-/// A flow as one of its readers sees it: present exactly if the flow is and all fragments in `through` are active.
+/// Presence of a flow for one of its readers: present exactly if the flow is and all fragments in `through` are active.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct View {
-    /// The flow within its own fragment.
+    /// Presence of the flow within its own fragment.
     pub own: Sureness,
     /// Fragments around the flow that may be inactive while the reader is active, innermost first.
     pub through: Vec<FragmentId>,
 }
 
-/// The presence of every flow of a net.
+/// Presence of every flow of a net.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Presences {
-    /// Where each node's ports start in `states`.
+    /// Index of each node's first port in `states`.
     first: Vec<u32>,
     states: Vec<States>,
     activity: Vec<Sureness>,
 }
 
 impl Presences {
-    /// Infers the presence of every flow. Ports for which `forced` says so count as optional whatever their rule says
-    /// (a replay may force an absent value on them). The order of evaluation, where there is one, saves second looks.
+    /// Infers the presence of every flow. Ports that `forced` selects count as optional regardless of their rule, since
+    /// a replay may force an absent value on them. A schedule, if there is one, makes the iteration converge faster.
     #[must_use]
     pub fn infer(
         net: &Net,
@@ -77,19 +77,19 @@ impl Presences {
         presences
     }
 
-    /// A flow within its own fragment.
+    /// Presence of a flow within its own fragment.
     #[must_use]
     pub fn own(&self, port: PortRef) -> Sureness {
         self.states(port).sureness()
     }
 
-    /// Whether a fragment is active in each (`Total`), some or no cycle in which its parent is.
+    /// Whether a fragment is active in every (`Total`), some or no cycle in which its parent is.
     #[must_use]
     pub fn activity(&self, fragment: FragmentId) -> Sureness {
         self.activity[fragment.index()]
     }
 
-    /// A flow as seen from the fragment `reader`.
+    /// Presence of a flow for readers in the fragment `reader`.
     #[must_use]
     pub fn view(&self, net: &Net, tree: &Tree, reader: FragmentId, port: PortRef) -> View {
         let mut through = self.gates(net, tree, reader, port);
@@ -100,18 +100,18 @@ impl Presences {
         }
     }
 
-    /// What a reader in the fragment `reader` can rely on.
+    /// Presence of an input's source for readers in the fragment `reader`.
     #[must_use]
     pub fn seen(&self, net: &Net, tree: &Tree, reader: FragmentId, input: &Input) -> Sureness {
         self.seen_states(net, tree, reader, input).sureness()
     }
 
-    /// The presence of all flows, node by node.
+    /// Presence of all flows, node by node.
     pub fn iter(&self) -> impl Iterator<Item = Sureness> + '_ {
         self.states.iter().map(|s| s.sureness())
     }
 
-    /// Nothing is known of any flow.
+    /// Initial state, in which the presence of every flow is unknown.
     pub(crate) fn unknown(net: &Net) -> Self {
         let mut first = Vec::with_capacity(net.nodes.len());
         let mut count = 0;
@@ -130,7 +130,7 @@ impl Presences {
         }
     }
 
-    /// Computes a node's ports anew; true if one of them changed.
+    /// Computes the presence of a node's ports again. Returns whether any of them changed.
     fn update(
         &mut self,
         net: &Net,
@@ -149,6 +149,7 @@ impl Presences {
                 (_, Role::Delay) => delayed(output.presence, inputs.first),
                 _ => inputs.output(output.presence),
             };
+            // Joining with the old states keeps the iteration monotonic, so that it terminates.
             let at = first + usize::from(port);
             let joined = self.states[at] | state;
             changed |= joined != self.states[at];
@@ -203,17 +204,17 @@ impl Presences {
         gates
     }
 
-    /// Checks that the rules derive nothing that is not in the result.
+    /// Checks that the result is a fixed point of the presence rules.
     ///
     /// # Errors
-    /// The first flow for which they do.
+    /// Returns the first flow that is not.
     pub fn verify(&self, net: &Net, tree: &Tree) -> Result<(), Violation> {
         let mut again = self.clone();
         for id in net.node_ids() {
             if again.update(net, tree, id, &|_| false) {
                 let name = net.path(net.node(id).fragment, &net.node(id).name);
                 return Err(Violation::new(format!(
-                    "presence of `{name}` is not settled"
+                    "presence of `{name}` is not a fixed point"
                 )));
             }
         }
@@ -229,12 +230,12 @@ impl Presences {
     }
 }
 
-/// The presence states that a flow can have: a set.
+/// Set of presence states that a flow may have.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 struct States(u8);
 
 impl States {
-    /// Nothing found out yet.
+    /// Empty set: not inferred yet.
     const UNKNOWN: States = States(0);
     const PRESENT: States = States(1);
     const ABSENT: States = States(2);
@@ -248,7 +249,7 @@ impl States {
         if holds { self } else { States::UNKNOWN }
     }
 
-    /// What it says once the inference is done. A flow of which nothing was found out depends on itself.
+    /// Presence at the end of the inference. An empty set means that the flow depends on itself.
     fn sureness(self) -> Sureness {
         match self {
             States::PRESENT => Sureness::Total,
@@ -265,17 +266,17 @@ impl BitOr for States {
     }
 }
 
-/// The inputs of a node taken together: all that the rules ask for.
+/// Presence of a node's inputs together, as far as the presence rules need it.
 struct Inputs {
     /// States of the first connected input.
     first: States,
-    /// States that some connected input can have.
+    /// Union of the states of all connected inputs.
     some: States,
-    /// States that all connected inputs can have.
+    /// Intersection of the states of all connected inputs.
     all: States,
-    /// A connected input is sure to be present.
+    /// Whether some connected input is certainly present.
     sure: bool,
-    /// Of a connected input nothing is known yet.
+    /// Whether the state of some connected input is still unknown.
     unknown: bool,
 }
 
@@ -300,7 +301,7 @@ impl Inputs {
         self.unknown |= states == States::UNKNOWN;
     }
 
-    /// States of an out-port under its rule. Grows with the inputs' states, so that the least solution exists.
+    /// States of an out-port under its rule. Monotonic in the states of the inputs, so that a least fixed point exists.
     fn output(&self, rule: Presence) -> States {
         match rule {
             Presence::Always => States::PRESENT,
@@ -318,7 +319,7 @@ impl Inputs {
     }
 }
 
-/// A delay's output: its first content, then whatever its input was.
+/// States of a delay's output: its initial value, then the states of its input.
 fn delayed(rule: Presence, input: States) -> States {
     match rule {
         Presence::Maybe => States::ABSENT | input,
@@ -326,8 +327,8 @@ fn delayed(rule: Presence, input: States) -> States {
     }
 }
 
-/// Whether `reader`, or a fragment around it below `common`, has the same activation as `gate`: then `gate` is active
-/// whenever `reader` is, if `gate`'s parent is.
+/// Whether `reader`, or a fragment around it below `common`, has the same activation as `gate`. Then `gate` is active
+/// whenever `reader` and `gate`'s parent are.
 fn same_activation(
     net: &Net,
     tree: &Tree,
@@ -340,7 +341,7 @@ fn same_activation(
         .any(|f| net.fragment(f).activation == *wanted)
 }
 
-/// What is known of an activation without running the net.
+/// Activity of a fragment as far as its condition is constant.
 fn activity(net: &Net, activation: &Activation) -> Sureness {
     let Activation::When { condition, .. } = activation else {
         return Sureness::Total;

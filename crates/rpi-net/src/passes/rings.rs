@@ -1,4 +1,4 @@
-//! Rings in a dependency graph: strongly connected components, and the shortest ring through each.
+//! Dependency cycles in a graph: strongly connected components, and the shortest cycle through each.
 
 use petgraph::algo::kosaraju_scc;
 use petgraph::graph::{DiGraph, EdgeIndex, NodeIndex};
@@ -6,28 +6,28 @@ use petgraph::visit::EdgeRef;
 use std::cell::RefCell;
 use std::collections::VecDeque;
 
-/// Vertices that a search for the shortest ring of a component may begin with, times the size of the component.
+/// Bound on the work of a search for the shortest cycle: the number of start vertices times the size of the component.
 const PATIENCE: usize = 1_000_000;
 
-/// The components of a graph in which every vertex depends on itself.
+/// Strongly connected components in which every vertex depends on itself.
 #[derive(Debug)]
 pub struct Rings<'g, N, E> {
     graph: &'g DiGraph<N, E>,
-    /// The components, their vertices in declaration order, sorted by the first.
+    /// Components, with vertices in declaration order, sorted by the first vertex.
     pub components: Vec<Vec<NodeIndex>>,
-    /// For each vertex the number of its component, if it is in one.
+    /// For each vertex, the index of its component, if it is in one.
     component_of: Vec<Option<usize>>,
     search: RefCell<Search>,
 }
 
-/// What a search has reached; kept from one to the next, as there can be one for every ring of a large net.
+/// State of a breadth-first search. It is reused, as a large net may need one search per dependency cycle.
 #[derive(Debug)]
 struct Search {
-    /// For each vertex the search that reached it last, and by which edge.
+    /// For each vertex, the number of the last search that reached it, and the edge used.
     reached: Vec<(usize, EdgeIndex)>,
-    /// The number of the current search.
+    /// Number of the current search.
     number: usize,
-    /// Where it goes on, and how many edges away from its start.
+    /// Vertices to visit, each with its distance from the start.
     queue: VecDeque<(NodeIndex, usize)>,
 }
 
@@ -46,7 +46,7 @@ impl Search {
         self.queue.push_back((start, 0));
     }
 
-    /// The edge by which the current search has reached a vertex.
+    /// Edge by which the current search has reached a vertex.
     fn edge_to(&self, v: NodeIndex) -> Option<EdgeIndex> {
         let (search, edge) = self.reached[v.index()];
         (search == self.number).then_some(edge)
@@ -59,7 +59,7 @@ impl Search {
 }
 
 impl<'g, N, E> Rings<'g, N, E> {
-    /// The rings of a graph.
+    /// Computes the cyclic components of a graph.
     #[must_use]
     pub fn new(graph: &'g DiGraph<N, E>) -> Self {
         let mut components = kosaraju_scc(graph);
@@ -80,7 +80,7 @@ impl<'g, N, E> Rings<'g, N, E> {
         }
     }
 
-    /// The edges that lie on rings, in the order in which they were made.
+    /// Edges that lie on dependency cycles, in the order of their insertion.
     pub fn edges(&self) -> impl Iterator<Item = EdgeIndex> + '_ {
         let inside = |a: NodeIndex, b: NodeIndex| {
             let component = self.component_of[a.index()];
@@ -92,8 +92,9 @@ impl<'g, N, E> Rings<'g, N, E> {
             .map(|e| e.id())
     }
 
-    /// The edges of the shortest ring in a component, one after the other. Of equally short ones the one through the
-    /// vertex declared first. In a very large component the search ends early, with the shortest that it has met.
+    /// Returns the edges of the shortest dependency cycle in a component, in order. Among equally short ones, the one
+    /// through the vertex declared first is returned. In a very large component the search ends early with the shortest
+    /// cycle found so far.
     #[must_use]
     pub fn shortest(&self, component: usize) -> Vec<EdgeIndex> {
         let mut best: Vec<EdgeIndex> = Vec::new();
@@ -111,7 +112,7 @@ impl<'g, N, E> Rings<'g, N, E> {
         best
     }
 
-    /// The shortest ring through a vertex, if it has fewer than `limit` edges: breadth first.
+    /// Shortest cycle through a vertex, if it has fewer than `limit` edges, by breadth-first search.
     fn ring_through(&self, start: NodeIndex, limit: usize) -> Option<Vec<EdgeIndex>> {
         let mut search = self.search.borrow_mut();
         search.begin(start);
@@ -121,7 +122,7 @@ impl<'g, N, E> Rings<'g, N, E> {
             if length + 1 >= limit {
                 return None;
             }
-            // petgraph gives the edges made last first.
+            // petgraph iterates over edges in reverse order of insertion.
             edges.extend(self.graph.edges(v).map(|e| (e.target(), e.id())));
             for (w, edge) in edges.drain(..).rev() {
                 if w == start {

@@ -1,7 +1,7 @@
-//! The order of evaluation: a topological order per fragment in which declaration order breaks ties.
+//! Schedule: a topological order per fragment in which declaration order breaks ties.
 //!
-//! Of all items that wait for nothing more, the one declared first comes next. That is the order in which the reference
-//! executor places its primitives, and it is the same in every run.
+//! Of all ready items, the one declared first comes next. The reference executor orders its primitives in the same way,
+//! and the result is deterministic.
 
 use crate::net::{FragmentId, Net, NodeId};
 use crate::passes::clocks;
@@ -15,15 +15,16 @@ use smallvec::SmallVec;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// The order of evaluation of a net.
+/// Order of evaluation of a net.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Schedule {
-    /// Of each fragment what runs whenever it is entered. Fragments are entered once in a cycle, but for those of clocks.
+    /// Runs of each fragment, one for each time it is entered in a cycle. Only clock fragments are entered more than
+    /// once.
     runs: Vec<SmallVec<[Vec<Item>; 1]>>,
 }
 
 impl Schedule {
-    /// The schedule, unless something depends on itself (then the causality pass says what).
+    /// Returns the schedule; `None` if there is a dependency cycle, which the causality pass reports.
     #[must_use]
     pub fn new(net: &Net, dependencies: &Dependencies) -> Option<Self> {
         let mut runs = vec![SmallVec::new(); net.fragments.len()];
@@ -45,20 +46,20 @@ impl Schedule {
         Some(Schedule { runs })
     }
 
-    /// What runs in a fragment when it is entered for the time of this number in a cycle, from 0, in order of evaluation.
+    /// Items of a fragment in order of evaluation, when it is entered for the `time`-th time in a cycle (from 0).
     #[must_use]
     pub fn run(&self, fragment: FragmentId, time: usize) -> &[Item] {
         let run = self.runs[fragment.index()].get(time);
         run.map_or(&[], Vec::as_slice)
     }
 
-    /// How often a fragment is entered in a cycle.
+    /// Number of times that a fragment is entered in a cycle.
     #[must_use]
     pub fn times(&self, fragment: FragmentId) -> usize {
         self.runs[fragment.index()].len()
     }
 
-    /// All items in order of evaluation, each fragment before what is in it, whenever it is entered.
+    /// All items in order of evaluation, each fragment before its contents, every time it is entered.
     pub fn walk(&self) -> impl Iterator<Item = Item> + '_ {
         let mut times = vec![0_usize; self.runs.len()];
         let mut open = vec![self.run(FragmentId::ROOT, 0).iter()];
@@ -77,7 +78,7 @@ impl Schedule {
         })
     }
 
-    /// All nodes in order of evaluation, each fragment's in its place.
+    /// All nodes in order of evaluation, including those in fragments.
     pub fn nodes(&self) -> impl Iterator<Item = NodeId> + '_ {
         self.walk().filter_map(|item| match item {
             Item::Node(id) => Some(id),
@@ -86,7 +87,7 @@ impl Schedule {
     }
 }
 
-/// Kahn's algorithm (1962) with a heap over vertex numbers; none if the graph has a cycle.
+/// Topological order by Kahn's algorithm (1962) with a heap over vertex numbers; `None` if the graph has a cycle.
 fn order(graph: &Graph) -> Option<Vec<Item>> {
     let mut waiting: Vec<usize> = graph
         .node_indices()
@@ -110,10 +111,10 @@ fn order(graph: &Graph) -> Option<Vec<Item>> {
     (order.len() == graph.node_count()).then_some(order)
 }
 
-/// Checks a schedule: each item once in its fragment, and after everything it waits for.
+/// Checks a schedule: each item occurs once in its fragment, after all items that it depends on.
 ///
 /// # Errors
-/// The first item that is missing, doubled or too early.
+/// Returns the first item that is missing, scheduled twice or too early.
 pub fn verify(
     net: &Net,
     dependencies: &Dependencies,
@@ -123,7 +124,9 @@ pub fn verify(
     for (at, item) in schedule.walk().enumerate() {
         let is_clock = matches!(item, Item::Fragment(f) if net.fragment(f).is_clock);
         if !places.put(item, at) && !is_clock {
-            return Err(Violation::new(format!("schedule: {item:?} is doubled")));
+            return Err(Violation::new(format!(
+                "schedule: {item:?} is scheduled twice"
+            )));
         }
     }
     for fragment in dependencies.fragments() {
@@ -137,7 +140,7 @@ pub fn verify(
             }
             if places.of(source) >= places.of(target) {
                 return Err(Violation::new(format!(
-                    "schedule: {target:?} comes before {source:?} which it reads"
+                    "schedule: {target:?} is scheduled before {source:?}, which it reads"
                 )));
             }
         }
@@ -148,14 +151,14 @@ pub fn verify(
         if !graph.node_weights().all(is_there) {
             let name = net.path(fragment, "");
             return Err(Violation::new(format!(
-                "schedule: items missing in `{name}`"
+                "schedule: missing items in `{name}`"
             )));
         }
     }
     Ok(())
 }
 
-/// For each item of a net its place in the order.
+/// Position of each item in the order; `usize::MAX` if it has none.
 struct Places {
     nodes: Vec<usize>,
     fragments: Vec<usize>,
@@ -169,7 +172,7 @@ impl Places {
         }
     }
 
-    /// Notes the place of an item; false if it has one.
+    /// Records the position of an item. Returns whether it is the first one.
     fn put(&mut self, item: Item, at: usize) -> bool {
         let place = match item {
             Item::Node(n) => &mut self.nodes[n.index()],

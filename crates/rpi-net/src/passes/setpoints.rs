@@ -1,7 +1,7 @@
-//! Whether an actuator gets a set-point in every cycle, and if not, when it gets none (M9.3).
+//! Set-point coverage (M9.3): whether an actuator has a set-point in every cycle, and if not, why.
 //!
-//! Without one a device holds its place if it rests, and stops with a fault if it moves: so who reads a program should know
-//! in which cycles that may be.
+//! Without a set-point, a device at rest holds its position, and a moving device stops with a fault. So the author of a
+//! program should know the cycles in which one may be missing.
 
 use super::Schedule;
 use super::overlap;
@@ -13,21 +13,21 @@ use rpi_diag::{Code, Finding};
 use rpi_image::{Presence, Role};
 use std::collections::BTreeSet;
 
-/// So many actuators of a command are decided with all means, at most.
+/// Maximal number of actuators of a command for which the solver is used.
 const HARD: usize = 8;
-/// So many reasons are told of one actuator.
+/// Maximal number of reasons shown for one actuator.
 const REASONS: usize = 4;
 
-/// Why a set-point may be absent.
+/// Reason for which a set-point may be absent.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 enum Reason {
-    /// The fragment that it comes from is not always active.
+    /// The fragment that computes it is not always active.
     Inactive(FragmentId),
     /// A flow that it depends on is absent in some cycles.
     Absent(PortRef),
 }
 
-/// An actuator that may be without a set-point, and why.
+/// Actuator that may have no set-point, with the reasons.
 #[derive(Debug)]
 pub(crate) struct Gap {
     resource: Resource,
@@ -35,8 +35,8 @@ pub(crate) struct Gap {
     reasons: BTreeSet<Reason>,
 }
 
-/// The actuators of a program that may be without a set-point in some cycle, each once. Imported nets are as they are: there
-/// is no source in which it could be mended.
+/// Returns the actuators of a program that may have no set-point in some cycle, each once. Imported nets are not
+/// checked: there is no source to correct.
 pub(crate) fn gaps(
     background: Background<'_>,
     schedule: Option<&Schedule>,
@@ -82,17 +82,17 @@ pub(crate) fn gaps(
     gaps
 }
 
-/// Tests drive nothing.
+/// Whether the net is checked. Tests drive no actuators.
 fn is_looked_at(net: &Net) -> bool {
     !net.is_test && matches!(net.driver, Driver::Results(_))
 }
 
-/// The same port of a device, whatever the index.
+/// Whether two resources are the same port of a device, regardless of the index.
 fn is_same(a: &Resource, b: &Resource) -> bool {
     a.device == b.device && a.port == b.port
 }
 
-/// Whether something happens in every cycle, as far as presence alone tells.
+/// Whether an event occurs in every cycle according to the presence analysis alone.
 fn is_sure(background: Background<'_>, happening: &Happening) -> bool {
     let (gates, open) = background.doubts(happening);
     gates.is_empty() && open.is_empty()
@@ -124,7 +124,7 @@ fn reasons(background: Background<'_>, writers: &[Happening]) -> BTreeSet<Reason
     search.found
 }
 
-/// Looks for what makes a flow absent.
+/// Search for the reasons for which a flow is absent.
 struct Search<'a> {
     background: Background<'a>,
     seen: BTreeSet<PortRef>,
@@ -132,7 +132,7 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// Adds why a flow is absent where it is read, as far back as that is decided by other flows.
+    /// Adds the reasons for which a flow is absent for its reader, following the flows that decide its presence.
     fn follow(&mut self, reader: FragmentId, port: PortRef) {
         let Background {
             net,
@@ -168,24 +168,24 @@ impl Search<'_> {
     }
 }
 
-/// What is said of a gap.
+/// Returns the diagnostic for a missing set-point.
 pub(crate) fn finding(net: &Net, gap: &Gap) -> Finding {
     let Resource { device, port, .. } = &gap.resource;
-    let message = format!("`{device}.{port}` may get no set-point in some cycles");
+    let message = format!("`{device}.{port}` may have no set-point in some cycles");
     let finding = Finding::new(Code::RPI6104, message).at(
         net.node(gap.writer).origin.span,
-        "absent where nothing gives it a value",
+        "absent in cycles without a value",
     );
     let shown = gap.reasons.iter().take(REASONS);
     let finding = shown.fold(finding, |finding, reason| labelled(net, finding, *reason));
     let finding = match gap.reasons.len().saturating_sub(REASONS) {
         0 => finding,
-        1 => finding.note("and one more flow that is not always there"),
-        more => finding.note(format!("and {more} more flows that are not always there")),
+        1 => finding.note("and one more flow that is not always present"),
+        more => finding.note(format!("and {more} more flows that are not always present")),
     };
     finding
-        .note("without a set-point a device at rest holds its place; one that moves is stopped, and the command ends with a fault")
-        .help("end the alternatives with a flow that is always there: `... ?? x`")
+        .note("without a set-point a resting device holds its position; a moving one stops with a fault")
+        .help("add a last alternative that is always present: `... ?? x`")
 }
 
 fn labelled(net: &Net, finding: Finding, reason: Reason) -> Finding {
@@ -203,7 +203,7 @@ fn labelled(net: &Net, finding: Finding, reason: Reason) -> Finding {
     match &fragment.activation {
         Activation::When { condition, .. } => {
             let place = net.node(condition.node).origin.span;
-            // The condition of a state is made of the automaton around it.
+            // The condition of a state is derived from the automaton around it, so the state itself is labelled.
             match place.contains(own) {
                 true => finding.also(own, format!("{name} is not always active")),
                 false => finding.also(place, format!("{name} is only active while this holds")),
@@ -213,14 +213,14 @@ fn labelled(net: &Net, finding: Finding, reason: Reason) -> Finding {
     }
 }
 
-/// What was found out about set-points, in words.
+/// Summary of the set-point coverage.
 pub(crate) fn told(net: &Net, writers: &Writers, gaps: &[Gap]) -> String {
     let name = |gap: &Gap| format!("{}.{}", gap.resource.device, gap.resource.port);
     let names: Vec<String> = gaps.iter().map(name).collect();
     match (is_looked_at(net), writers.of.is_empty(), names.is_empty()) {
-        (false, ..) => "only looked at in programs".to_owned(),
+        (false, ..) => "only checked in programs".to_owned(),
         (true, true, _) => "no actuator is driven".to_owned(),
-        (true, false, true) => "each actuator gets one in every cycle".to_owned(),
+        (true, false, true) => "every actuator has a set-point in every cycle".to_owned(),
         (true, false, false) => format!("may be absent: {}", names.join(", ")),
     }
 }

@@ -1,11 +1,11 @@
-//! Which nodes read a node.
+//! Readers of each node.
 
 use crate::net::{Input, Net, NodeId};
 
-/// For each node the nodes that read one of its out-ports, in declaration order.
+/// For each node, the nodes that read one of its out-ports, in declaration order (compressed sparse rows).
 #[derive(Clone, Debug)]
 pub struct Users {
-    /// Where each node's readers start in `readers`; one more entry than there are nodes.
+    /// Index of each node's first reader in `readers`; one more entry than there are nodes.
     start: Vec<u32>,
     readers: Vec<NodeId>,
 }
@@ -30,7 +30,7 @@ impl Users {
         Users { start, readers }
     }
 
-    /// The nodes that read `node`; one that reads it twice comes twice.
+    /// Nodes that read `node`. A node that reads it twice occurs twice.
     #[must_use]
     pub fn of(&self, node: NodeId) -> &[NodeId] {
         let at = node.index();
@@ -38,7 +38,7 @@ impl Users {
     }
 }
 
-/// Calls `visit` with every node that is read and the node that reads it, in the order of the readers.
+/// Calls `visit` with each pair of a node that is read and its reader, in the order of the readers.
 fn each_link(net: &Net, mut visit: impl FnMut(NodeId, NodeId)) {
     for (reader, node) in net.node_ids().zip(&net.nodes) {
         for port in node.inputs.iter().filter_map(Input::port) {

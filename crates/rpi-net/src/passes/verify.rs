@@ -1,6 +1,6 @@
-//! What must hold of every net before a pass looks at it: indices, tree, arity and types.
+//! Structural verifier: invariants of every net that passes rely on (indices, tree, arity and types).
 //!
-//! Elaboration and reader make nets that hold it; a violation is a fault of theirs, not of a program.
+//! Elaboration and the `.rpinet` reader must establish them. A violation is a bug in these, not an error in a program.
 
 use crate::net::{Activation, Driver, Fragment, FragmentId, Input, Net, NodeId, PortRef, Restart};
 use crate::violation::Violation;
@@ -9,11 +9,11 @@ use rpi_image::{Need, ParamType, PortType, Scalar, Type, Value};
 /// Checks the structure of a net.
 ///
 /// # Errors
-/// The first thing that does not hold.
+/// Returns the first violated invariant.
 pub fn verify(net: &Net) -> Result<(), Violation> {
     let root = net.fragments.first().filter(|f| f.parent.is_none());
     if root.is_none() {
-        return Err(Violation::new("the first fragment is no root"));
+        return Err(Violation::new("the first fragment is not a root"));
     }
     for id in net.fragment_ids() {
         fragment(net, id).map_err(|v| v.at(net.fragment(id).origin.span))?;
@@ -35,7 +35,7 @@ fn fragment(net: &Net, id: FragmentId) -> Result<(), Violation> {
     match fragment.parent {
         Some(parent) if parent >= id => {
             return Err(Violation::new(format!(
-                "fragment `{name}` stands before its parent"
+                "fragment `{name}` comes before its parent"
             )));
         }
         None if id != FragmentId::ROOT => {
@@ -66,7 +66,9 @@ fn node(net: &Net, id: NodeId) -> Result<(), Violation> {
     let node = net.node(id);
     let (name, desc) = (&node.name, node.desc());
     if node.fragment.index() >= net.fragments.len() {
-        return Err(Violation::new(format!("`{name}` stands in no fragment")));
+        return Err(Violation::new(format!(
+            "`{name}` is in an undefined fragment"
+        )));
     }
     let lengths = [
         (node.inputs.len(), desc.inputs.len()),
@@ -75,7 +77,7 @@ fn node(net: &Net, id: NodeId) -> Result<(), Violation> {
     ];
     if lengths.iter().any(|(is, shall)| is != shall) {
         return Err(Violation::new(format!(
-            "`{name}` has not the ports of `{}`",
+            "`{name}` does not have the ports of `{}`",
             desc.name
         )));
     }
@@ -86,7 +88,7 @@ fn node(net: &Net, id: NodeId) -> Result<(), Violation> {
         };
         if !fits {
             return Err(Violation::new(format!(
-                "`{}` of `{name}` does not fit",
+                "`{}` of `{name}` has the wrong type",
                 port.name
             )));
         }
@@ -94,7 +96,7 @@ fn node(net: &Net, id: NodeId) -> Result<(), Violation> {
     for (value, param) in node.params.iter().zip(desc.params) {
         if !is_of(param.ty, value) {
             return Err(Violation::new(format!(
-                "`{}` of `{name}` does not fit",
+                "`{}` of `{name}` has the wrong type",
                 param.name
             )));
         }
@@ -102,7 +104,7 @@ fn node(net: &Net, id: NodeId) -> Result<(), Violation> {
     let outputs = node.outputs.iter().zip(desc.outputs);
     match outputs.clone().find(|(ty, port)| !fits(port.ty, **ty)) {
         Some((_, port)) => Err(Violation::new(format!(
-            "`{}` of `{name}` does not fit",
+            "`{}` of `{name}` has the wrong type",
             port.name
         ))),
         None => Ok(()),
@@ -129,7 +131,7 @@ fn driver(net: &Net) -> Result<(), Violation> {
                 .flatten();
             match fail {
                 None | Some(Type::One(Scalar::Int)) => Ok(()),
-                Some(_) => Err(Violation::new("`outFail` is no integer")),
+                Some(_) => Err(Violation::new("`outFail` is not an integer")),
             }
         }
     }
@@ -138,7 +140,7 @@ fn driver(net: &Net) -> Result<(), Violation> {
 fn is_boolean(net: &Net, name: &str, input: &Input) -> Result<(), Violation> {
     match input_type(net, input)? {
         Some(Type::One(Scalar::Bool)) => Ok(()),
-        _ => Err(Violation::new(format!("`{name}` is no Boolean"))),
+        _ => Err(Violation::new(format!("`{name}` is not a Boolean"))),
     }
 }
 
@@ -149,7 +151,7 @@ fn boolean(net: &Net, name: &str, port: PortRef) -> Result<(), Violation> {
 fn ports(net: &Net, name: &str, mut all: impl Iterator<Item = PortRef>) -> Result<(), Violation> {
     match all.find(|p| port_type(net, *p).is_none()) {
         Some(port) => Err(Violation::new(format!(
-            "`{name}` reads {port:?}, which is not there"
+            "`{name}` reads {port:?}, which does not exist"
         ))),
         None => Ok(()),
     }
@@ -161,7 +163,9 @@ fn input_type(net: &Net, input: &Input) -> Result<Option<Type>, Violation> {
         Input::Const(value) => Ok(value.ty()),
         Input::Port(port) => match port_type(net, *port) {
             Some(ty) => Ok(Some(ty)),
-            None => Err(Violation::new(format!("{port:?} is read, but not there"))),
+            None => Err(Violation::new(format!(
+                "{port:?} is read, but does not exist"
+            ))),
         },
     }
 }

@@ -1,4 +1,5 @@
-//! A bound on the work of one cycle (M13): the sum over all primitives, of fragments that exclude each other the largest.
+//! Upper bound on the work of one cycle (M13): the sum over all primitives. Of mutually exclusive fragments, only the
+//! largest counts.
 
 use super::proof::{Background, Effort, Happening, Prover};
 use crate::net::{FragmentId, Input, Net, Node};
@@ -6,18 +7,19 @@ use crate::tree::Tree;
 use rpi_diag::{Code, Finding};
 use rpi_image::{Type, Value};
 
-/// Fragments side by side that are compared with each other; of more, all work is added up.
+/// Maximal number of sibling fragments that are compared with each other; beyond it, the work of all siblings is added
+/// up.
 const COMPARED: usize = 64;
 
-/// Bounds in elementary operations (a real addition is 1).
+/// Bounds in elementary operations (one real addition is 1).
 #[derive(Clone, PartialEq, Eq, Default, Debug)]
 pub struct Work {
-    /// For each fragment its own primitives with all fragments in it.
+    /// For each fragment, the bound of its own primitives and all child fragments.
     of: Vec<u64>,
 }
 
 impl Work {
-    /// Sums up a net.
+    /// Computes the bounds of a net.
     pub(crate) fn new(background: Background<'_>) -> Self {
         let (net, tree) = (background.net, background.tree);
         let effort = Effort::default();
@@ -34,14 +36,14 @@ impl Work {
         Work { of }
     }
 
-    /// The bound for a fragment; for the root that of the whole net.
+    /// Bound of a fragment; that of the root is the bound of the whole net.
     #[must_use]
     pub fn of(&self, fragment: FragmentId) -> u64 {
         self.of.get(fragment.index()).copied().unwrap_or(0)
     }
 }
 
-/// The bound for a primitive: what it declares, for the largest of the arrays and matrices that it reads and gives.
+/// Bound of a primitive: its declared work, scaled by the largest array or matrix that it reads or writes.
 fn work_of(net: &Net, node: &Node) -> u64 {
     let inputs = node.inputs.iter().filter_map(|input| type_of(net, input));
     let params = node.params.iter().filter_map(Value::ty);
@@ -61,8 +63,9 @@ fn type_of(net: &Net, input: &Input) -> Option<Type> {
     }
 }
 
-/// The bound for the children of a fragment: groups of which only one is active, each with its largest.
+/// Bound of the children of a fragment. In a group of mutually exclusive children, only the largest counts.
 fn children(prover: &mut Prover<'_>, tree: &Tree, id: FragmentId, of: &[u64]) -> u64 {
+    // In descending order, so that the first member of a group has its largest bound.
     let mut sorted = tree.children(id).to_vec();
     sorted.sort_by_key(|f| (std::cmp::Reverse(of[f.index()]), *f));
     if sorted.len() > COMPARED {
@@ -87,17 +90,17 @@ fn exclude(prover: &mut Prover<'_>, a: FragmentId, b: FragmentId) -> bool {
     prover.is_refuted(&active(a), &active(b), 0)
 }
 
-/// The machine that a program is checked for.
+/// Target machine for which a program is checked.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Machine {
-    /// Time of an elementary operation at worst, nanoseconds.
+    /// Worst-case time of an elementary operation in nanoseconds.
     pub ns_per_operation: f64,
-    /// Period of a cycle, nanoseconds.
+    /// Period of a cycle in nanoseconds.
     pub period_ns: u64,
 }
 
 impl Default for Machine {
-    /// A careful guess: a machine of ten years ago whose caches are cold in every cycle of a millisecond.
+    /// Conservative estimate: a ten-year-old machine with cold caches in every cycle, and a period of 1 ms.
     fn default() -> Machine {
         Machine {
             ns_per_operation: 10.0,
@@ -107,14 +110,15 @@ impl Default for Machine {
 }
 
 impl Machine {
-    /// How long so many operations take at most, nanoseconds.
+    /// Worst-case time of a number of operations in nanoseconds.
     #[must_use]
     pub fn time_of(&self, operations: u64) -> f64 {
         operations as f64 * self.ns_per_operation
     }
 }
 
-/// Compares bounds with the budgets that a program states, and with the period.
+/// Compares the bounds with the declared budgets of a program and with the period. Returns a diagnostic for each
+/// excess.
 #[must_use]
 pub fn over_budget(net: &Net, work: &Work, machine: Machine) -> Vec<Finding> {
     let fragments = net.fragment_ids();
@@ -137,25 +141,25 @@ fn of_fragment(net: &Net, work: &Work, machine: Machine, id: FragmentId) -> Opti
         name => name,
     };
     let (needed, budget) = (time(needed), time(budget as f64));
-    let message = format!("`{name}` may need {needed} of its budget of {budget}");
+    let message = format!("`{name}` may need {needed}, but its budget is {budget}");
     let label = format!(
-        "{bound} operations at most, {} ns each",
+        "{bound} operations at worst, {} ns each",
         machine.ns_per_operation
     );
     Some(
         Finding::new(Code::RPI7001, message)
             .at(fragment.origin.span, label)
-            .help("state a larger budget, or do less in one cycle"),
+            .help("declare a larger budget, or do less in one cycle"),
     )
 }
 
-/// Whether a command keeps its period.
+/// Checks that a command meets its period.
 fn of_cycle(net: &Net, work: &Work, machine: Machine) -> Option<Finding> {
     let root = net.fragment(FragmentId::ROOT);
     let bound = work.of(FragmentId::ROOT);
     let (needed, period) = (machine.time_of(bound), machine.period_ns as f64);
     let (what, took) = match root.budget_ns {
-        Some(budget) if budget as f64 > period => ("states a budget of", budget as f64),
+        Some(budget) if budget as f64 > period => ("declares a budget of", budget as f64),
         _ if needed > period => ("may need", needed),
         _ => return None,
     };
@@ -166,7 +170,7 @@ fn of_cycle(net: &Net, work: &Work, machine: Machine) -> Option<Finding> {
         time(period)
     );
     let label = format!(
-        "{bound} operations at most, {} ns each",
+        "{bound} operations at worst, {} ns each",
         machine.ns_per_operation
     );
     Some(
@@ -176,7 +180,7 @@ fn of_cycle(net: &Net, work: &Work, machine: Machine) -> Option<Finding> {
     )
 }
 
-/// A time in a unit that suits it.
+/// Formats a time in a suitable unit.
 fn time(ns: f64) -> String {
     match ns {
         0.0..1e3 => format!("{ns:.0} ns"),

@@ -1,8 +1,8 @@
-//! Who drives which actuator, and whether two ever do in one cycle (M9).
+//! Writers of actuators, and whether two of them ever write in the same cycle (M9).
 //!
-//! A resource is one port of a device with its index; ports that a device declares as alternatives of one actuator
-//! exclude each other, too. Writers of one resource in a net are proved exclusive, or watched in each cycle by the
-//! device bank (imported nets), or refused (programs).
+//! A resource is one port of a device with its index. Ports that a device declares as alternatives of one actuator also
+//! exclude each other. Writers of one resource must be mutually exclusive: this is proved, or checked in each cycle by
+//! the device bank (imported nets), or else the program is rejected.
 
 use super::Schedule;
 use super::overlap::{self, Verdict, Witness};
@@ -13,23 +13,23 @@ use rpi_image::{DevicePorts, Role, Value};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 
-/// Pairs of writers that are looked at, at most; further ones count as not proved.
+/// Maximal number of pairs of writers that are examined. Further pairs count as not proved.
 const PAIRS: usize = 20_000;
 
-/// Pairs that are decided with all means, at most.
+/// Maximal number of pairs for which the solver is used.
 const HARD: usize = 200;
 
-/// Ports of the reference's arms that set the same motion.
+/// Ports of the reference system's arms that drive the same motion.
 pub(crate) const SAME_MOTION: [&str; 2] = ["joint.position", "tcp.position"];
 
-/// One port of a device, as a resource that a command takes.
+/// Port of a device, as a resource that a command takes.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub struct Resource {
-    /// The device.
+    /// Name of the device.
     pub device: String,
-    /// Its port.
+    /// Name of the port.
     pub port: String,
-    /// Which of several equal ones.
+    /// Index among several equal ports.
     pub index: i64,
 }
 
@@ -39,28 +39,29 @@ impl fmt::Display for Resource {
     }
 }
 
-/// Two writers of one resource, or of alternative ones.
+/// Pair of writers of the same resource, or of alternative ones.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Pair {
-    /// The writers.
+    /// Nodes that write.
     pub writers: [NodeId; 2],
-    /// Whether it is proved that they never write in the same cycle.
+    /// Whether the writers are proved never to write in the same cycle.
     pub exclusive: bool,
 }
 
 /// All writers of a net.
 #[derive(Clone, PartialEq, Eq, Default, Debug)]
 pub struct Writers {
-    /// The writers of each resource, in declaration order.
+    /// Writers of each resource, in declaration order.
     pub of: BTreeMap<Resource, Vec<NodeId>>,
-    /// All pairs that may meet.
+    /// All pairs of writers that might write in the same cycle.
     pub pairs: Vec<Pair>,
-    /// What is known of the pairs for which one cycle of plain facts was not enough.
+    /// Verdicts of the solver for the pairs that the fact-based prover did not decide.
     verdicts: BTreeMap<[NodeId; 2], Verdict>,
 }
 
 impl Writers {
-    /// Finds the writers of a net and tells them apart. Without an order of evaluation only plain facts are looked at.
+    /// Collects the writers of a net and proves pairs exclusive. Without a schedule, only the fact-based prover is
+    /// used.
     pub(crate) fn new(background: Background<'_>, schedule: Option<&Schedule>) -> Self {
         let mut of: BTreeMap<Resource, Vec<NodeId>> = BTreeMap::new();
         for id in background.net.node_ids() {
@@ -83,7 +84,7 @@ impl Writers {
         }
     }
 
-    /// How the pairs were proved that plain facts did not prove, each method once, in words.
+    /// Names of the solver methods that proved pairs exclusive, each once.
     pub(crate) fn methods(&self) -> Vec<String> {
         let methods = self.verdicts.values().filter_map(|verdict| match verdict {
             Verdict::Exclusive(method) => Some(*method),
@@ -93,7 +94,7 @@ impl Writers {
         methods.iter().map(ToString::to_string).collect()
     }
 
-    /// A run in which both writers of a pair write.
+    /// Example run in which both writers of a pair write in the same cycle.
     fn witness(&self, pair: [NodeId; 2]) -> Option<&Witness> {
         match self.verdicts.get(&pair) {
             Some(Verdict::Together(witness)) => Some(witness),
@@ -110,7 +111,7 @@ impl Writers {
     }
 }
 
-/// The resource that a node writes.
+/// Resource that a node writes; `None` if it does not write one.
 #[must_use]
 pub fn resource(node: &Node) -> Option<Resource> {
     let Role::Actuator(device) = node.desc().role else {
@@ -131,7 +132,7 @@ pub fn resource(node: &Node) -> Option<Resource> {
     })
 }
 
-/// All pairs of writers of one resource or of alternatives.
+/// All pairs of writers of the same resource or of alternative ones.
 fn meetings(net: &Net, of: &BTreeMap<Resource, Vec<NodeId>>) -> Vec<[NodeId; 2]> {
     let mut pairs = Vec::new();
     let all: Vec<(&Resource, &Vec<NodeId>)> = of.iter().collect();
@@ -149,7 +150,7 @@ fn meetings(net: &Net, of: &BTreeMap<Resource, Vec<NodeId>>) -> Vec<[NodeId; 2]>
     pairs
 }
 
-/// Whether two ports set the same actuator in different ways.
+/// Whether two ports are alternatives that drive the same actuator.
 pub(crate) fn alternative(net: &Net, a: &Resource, b: &Resource) -> bool {
     let same_motion = |r: &Resource| SAME_MOTION.contains(&r.port.as_str());
     let declared = net.alternatives.iter().any(|group| {
@@ -179,7 +180,7 @@ fn judge(background: Background<'_>, pairs: &[[NodeId; 2]]) -> Vec<Pair> {
     pairs.iter().zip(exclusive).map(pair).collect()
 }
 
-/// When a writer writes: its fragment is active and its inputs are present.
+/// Event that a writer writes: its fragment is active and its inputs are present.
 pub(crate) fn happening(net: &Net, writer: NodeId) -> Happening {
     let node = net.node(writer);
     Happening {
@@ -188,7 +189,7 @@ pub(crate) fn happening(net: &Net, writer: NodeId) -> Happening {
     }
 }
 
-/// What the solver says of the pairs that are not proved yet.
+/// Verdicts of the solver for the pairs that are not proved yet.
 fn decide(
     background: Background<'_>,
     schedule: &Schedule,
@@ -204,8 +205,8 @@ fn decide(
     open.into_iter().zip(verdicts).collect()
 }
 
-/// Programs have one writer per actuator; a finding per resource that has two in one cycle, or may have. Of the pairs of one
-/// resource one that is known to meet is reported.
+/// Checks that a program has one writer per actuator. Returns a diagnostic per resource with two writers that write, or
+/// might write, in the same cycle. A pair with a known example run is preferred.
 pub(crate) fn check(net: &Net, writers: &Writers) -> Vec<Finding> {
     if matches!(net.driver, Driver::Ports { .. }) {
         return Vec::new();
@@ -213,6 +214,7 @@ pub(crate) fn check(net: &Net, writers: &Writers) -> Vec<Finding> {
     let mut reported: BTreeMap<[Resource; 2], [NodeId; 2]> = BTreeMap::new();
     for pair in writers.watched() {
         if let [Some(a), Some(b)] = pair.map(|w| resource(net.node(w))) {
+            // All indices of a port share a diagnostic.
             let whole = |r: Resource| Resource { index: 0, ..r };
             let known = reported.entry([whole(a), whole(b)]).or_insert(pair);
             if writers.witness(*known).is_none() && writers.witness(pair).is_some() {
@@ -230,7 +232,7 @@ pub(crate) fn check(net: &Net, writers: &Writers) -> Vec<Finding> {
     told.collect()
 }
 
-/// The two as the program has them, one after the other.
+/// Sorts two resources and their writers by their location in the text.
 fn in_text_order(
     net: &Net,
     [a, b]: [Resource; 2],
@@ -243,11 +245,11 @@ fn in_text_order(
     }
 }
 
-/// A finding about two set-points, with their places.
+/// Diagnostic for two set-points with their locations.
 fn finding(net: &Net, (code, message): (Code, String), [first, second]: [NodeId; 2]) -> Finding {
     Finding::new(code, message)
         .at(net.node(second).origin.span, "a second set-point")
-        .also(net.node(first).origin.span, "the first one")
+        .also(net.node(first).origin.span, "the first set-point")
 }
 
 fn name(resource: &Resource) -> String {
@@ -265,16 +267,16 @@ fn together(net: &Net, [a, b]: &[Resource; 2], pair: [NodeId; 2], witness: &Witn
     };
     finding(net, (Code::RPI6101, message), pair)
         .note(witness.to_string())
-        .help("merge the alternatives with `??`, or let conditions exclude each other")
+        .help("merge the alternatives with `??`, or make their conditions mutually exclusive")
 }
 
 fn not_proved(net: &Net, [a, b]: &[Resource; 2], pair: [NodeId; 2]) -> Finding {
     let message = format!(
-        "{} and {} are not proved to exclude each other",
+        "{} and {} cannot be proved mutually exclusive",
         name(a),
         name(b)
     );
     finding(net, (Code::RPI6105, message), pair)
-        .note("each cycle checks it: two set-points at once are a fault, which ends the command")
-        .help("let both depend on one condition: `when c` and `when not c`, or states of one automaton")
+        .note("this is checked in each cycle: two set-points at once are a fault, which ends the command")
+        .help("make both depend on one condition: `when c` and `when not c`, or states of one automaton")
 }

@@ -1,4 +1,4 @@
-//! From what stands in a primitive's parentheses to its inputs and parameters.
+//! Converts the arguments of a primitive in a net's text to inputs and parameters.
 
 use super::links::{Links, list, type_name};
 use super::text::{Argument, Definition, Given, Place, Source, Word, number};
@@ -9,29 +9,30 @@ use rpi_diag::{Code, Finding, suggest};
 use rpi_image::{InPort, Need, Param, ParamType, PortDefault, PortType, PrimDesc, Value};
 use smallvec::SmallVec;
 
-/// The inputs and parameters of a primitive.
+/// Inputs and parameters of a primitive.
 pub(super) struct Connected {
     pub(super) inputs: Inputs,
     pub(super) params: Vec<Value>,
 }
 
-/// Reads the arguments of one primitive.
+/// Reads the arguments of one primitive and checks them against its descriptor.
 pub(super) struct Arguments<'a, 'b, 't> {
     pub(super) links: &'a mut Links<'b, 't>,
     pub(super) findings: &'a mut Vec<Finding>,
     pub(super) desc: &'static PrimDesc,
     pub(super) definition: &'a Definition,
-    /// The text has no faults of syntax, with which something that is missing may have been lost.
+    /// Whether the text has no syntax errors. Missing arguments are reported only then, since an error may have hidden
+    /// them.
     pub(super) intact: bool,
 }
 
-/// A connected in-port, by index. Without an origin its fault is reported already.
+/// Connected in-port, by index. Its origin is `None` if the error was already reported.
 type Link = (usize, Option<PortRef>);
-/// A parameter that is given.
+/// Parameter with its value.
 type Setting<'t> = (&'t str, Value);
 
 impl<'t> Arguments<'_, '_, 't> {
-    /// All inputs and parameters; what is wrong goes to the findings, and something neutral takes its place.
+    /// Returns all inputs and parameters. Errors are reported as diagnostics, and a neutral value replaces a wrong one.
     pub(super) fn read(mut self) -> Connected {
         let definition = self.definition;
         let mut links: SmallVec<[Link; 4]> = SmallVec::new();
@@ -84,16 +85,19 @@ impl<'t> Arguments<'_, '_, 't> {
             return None;
         }
         let [from, to] = [ty, input.ty].map(type_name);
-        let message = format!("`{name}` gives {from}, `{}` takes {to}", input.name);
+        let message = format!(
+            "type mismatch: `{name}` is {from}, `{}` expects {to}",
+            input.name
+        );
         let place = self.links.text.source_place(source);
         Some(
             Finding::new(Code::RPI2101, message)
                 .at(self.span(place), format!("this is {from}"))
                 .also(
                     self.span(self.type_place()),
-                    format!("`{}` takes {to} here", input.name),
+                    format!("`{}` expects {to}", input.name),
                 )
-                .help(format!("connect something that gives {to}")),
+                .help(format!("connect an out-port that is {to}")),
         )
     }
 
@@ -103,9 +107,9 @@ impl<'t> Arguments<'_, '_, 't> {
         let message = format!("`{}` has no in-port `{}`", self.desc.name, name);
         let finding = Finding::new(Code::RPI1102, message)
             .at(self.span(word), "this link is ignored")
-            .note("the reference's Java core ignores such links, its C++ core refuses the net");
+            .note("the reference's Java core ignores such links, its C++ core rejects the net");
         if parameter_type(self.desc, name).is_some() {
-            return finding.help("this is a parameter: give it a text in quotes");
+            return finding.help("this is a parameter: write its value in quotes");
         }
         advise(finding, name, &ports)
     }
@@ -114,7 +118,7 @@ impl<'t> Arguments<'_, '_, 't> {
         let name = self.str(word);
         let parameters = parameters(self.desc);
         let message = format!("`{}` has no parameter `{}`", self.desc.name, name);
-        let finding = Finding::new(Code::RPI1103, message).at(self.span(word), "not known");
+        let finding = Finding::new(Code::RPI1103, message).at(self.span(word), "unknown parameter");
         if self.desc.input(name).is_some() {
             return finding.help("this is an in-port: connect it to an out-port, `name.outPort`");
         }
@@ -128,7 +132,7 @@ impl<'t> Arguments<'_, '_, 't> {
         let message = format!("`{name}` of `{prim}`: {}", error.message);
         Finding::new(Code::RPI2102, message)
             .at(self.span(place), error.message.clone())
-            .help("the page of this finding lists how values are written")
+            .help("see the page of this code for the syntax of values")
     }
 
     fn report_twice(&mut self) {
@@ -143,7 +147,7 @@ impl<'t> Arguments<'_, '_, 't> {
             };
             let places = [first, second].map(|a| text.argument_place(a));
             if text.str(places[0]) != text.str(places[1]) {
-                let message = format!("`{name}` is given twice");
+                let message = format!("duplicate argument `{name}`");
                 let finding = Finding::new(Code::RPI1107, message)
                     .at(self.span(places[1]), "given again here")
                     .also(self.span(places[0]), "first given here")
@@ -172,14 +176,18 @@ impl<'t> Arguments<'_, '_, 't> {
         if missing.is_empty() {
             return;
         }
-        let message = format!("`{}` needs {}", self.desc.name, list(&missing));
+        let message = format!(
+            "missing argument of `{}`: {}",
+            self.desc.name,
+            list(&missing)
+        );
         let finding = Finding::new(Code::RPI2103, message)
             .at(self.span(self.type_place()), "not connected here")
             .help(format!("connect it: `{}=name.outPort`", missing[0]));
         self.findings.push(finding);
     }
 
-    /// Where the primitive's type stands.
+    /// Location of the primitive's type name.
     fn type_place(&self) -> Place {
         let start = self.definition.place.start;
         Place {
@@ -203,8 +211,8 @@ fn advise(finding: Finding, name: &str, names: &[&str]) -> Finding {
             let place = finding.span();
             finding.did_you_mean(place, Some(near))
         }
-        None if names.is_empty() => finding.help("it has none at all: delete this"),
-        None => finding.help(format!("it has {}", list(names))),
+        None if names.is_empty() => finding.help("it has none: delete this argument"),
+        None => finding.help(format!("available: {}", list(names))),
     }
 }
 
@@ -229,7 +237,7 @@ fn connect(desc: &PrimDesc, links: &[Link], settings: &[Setting<'_>]) -> Connect
     }
 }
 
-/// The value that stands in for a link.
+/// Value of the parameters that replace a missing link; `None` if the in-port has no such parameter.
 fn stand_in(port: &InPort, given: impl Fn(&str) -> Option<Value>) -> Option<Value> {
     match port.need {
         Need::Required | Need::Absent => None,
@@ -245,7 +253,7 @@ fn stand_in(port: &InPort, given: impl Fn(&str) -> Option<Value>) -> Option<Valu
     }
 }
 
-/// The type of a parameter, if there is one of this name.
+/// Type of the parameter with this name, if there is one.
 fn parameter_type(desc: &PrimDesc, name: &str) -> Option<ParamType> {
     if let Some(k) = desc.param(name) {
         return Some(desc.params[k].ty);
@@ -257,7 +265,7 @@ fn parameter_type(desc: &PrimDesc, name: &str) -> Option<ParamType> {
     }
 }
 
-/// The type of the parameter that stands in for a port; none for a matrix, which has no text.
+/// Type of the parameter that replaces an in-port; `None` for a matrix, which has no text form.
 fn port_parameter(ty: PortType) -> Option<ParamType> {
     match ty {
         PortType::One(s) => Some(ParamType::One(s)),
@@ -266,7 +274,7 @@ fn port_parameter(ty: PortType) -> Option<ParamType> {
     }
 }
 
-/// All names under which something can be set.
+/// Names of all parameters, including those that replace in-ports.
 fn parameters(desc: &PrimDesc) -> Vec<&'static str> {
     let ports = desc.inputs.iter().flat_map(|p| match p.need {
         Need::Param(name, _) => vec![name],

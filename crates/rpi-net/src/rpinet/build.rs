@@ -1,4 +1,4 @@
-//! From [`Text`] to a [`Net`].
+//! Builds a [`Net`] from a parsed [`Text`].
 
 use super::arguments::Arguments;
 use super::links::{Links, Nodes};
@@ -14,19 +14,19 @@ use rpi_prims::{PrimId, registry};
 use rustc_hash::FxHashMap;
 use std::collections::BTreeMap;
 
-/// The in-port that activates a fragment.
+/// In-port that activates a fragment.
 pub(super) const ACTIVATION: &str = "inActive";
-/// The root's out-port that ends the net.
+/// Out-port of the root that ends the net.
 pub(super) const TERMINATE: &str = "outTerminate";
-/// The root's out-port that gives its error number.
+/// Out-port of the root that carries the error number of the net.
 pub(super) const FAIL: &str = "outFail";
 
-/// In-port of a fragment that starts its state afresh while it is true: ours, unknown to the reference.
+/// In-port that resets the state of a fragment while it is true. An extension, unknown to the reference system.
 pub(super) const RESTART: &str = "rpi:restart";
-/// The text at [`RESTART`] for: whenever it becomes active.
+/// Quoted value at [`RESTART`] that resets the state whenever the fragment becomes active.
 pub(super) const RESTART_ON_ACTIVATION: &str = "activation";
 
-/// Makes the net of a text; of use only if the findings hold no error.
+/// Builds the net of a text. The net is valid only if there are no error diagnostics.
 pub(super) fn build(name: &str, text: &Text<'_>, findings: &mut Vec<Finding>) -> Net {
     let intact = findings.is_empty();
     let names = Names::new(text, findings);
@@ -61,7 +61,7 @@ pub(super) fn build(name: &str, text: &Text<'_>, findings: &mut Vec<Finding>) ->
     net
 }
 
-/// First step: all nodes and fragments, unconnected.
+/// First pass: creates all nodes and fragments, unconnected.
 struct Builder<'a, 't> {
     text: &'a Text<'t>,
     names: &'a Names<'t>,
@@ -92,7 +92,7 @@ impl<'t> Builder<'_, 't> {
         self.findings.extend(unknown);
     }
 
-    /// The primitive of a name; the registry is asked once for each.
+    /// Primitive with this name. The results of the registry are cached.
     fn prim(&mut self, name: &'t str) -> Option<PrimId> {
         *self.prims.entry(name).or_insert_with(|| PrimId::of(name))
     }
@@ -112,7 +112,7 @@ impl<'t> Builder<'_, 't> {
         self.fragments[body as usize] = self.net.add_fragment(fragment);
     }
 
-    /// The fragment in which a definition stands.
+    /// Fragment that directly contains a definition.
     fn around(&self, id: DefinitionId) -> FragmentId {
         self.fragments[self.text.definition(id).scope as usize]
     }
@@ -130,7 +130,7 @@ impl<'t> Builder<'_, 't> {
         self.nodes[id as usize] = Some((self.net.add_node(node), prim));
     }
 
-    /// The name of a definition, made up if it has none.
+    /// Name of a definition; generated if it has none.
     fn name(&mut self, id: DefinitionId) -> String {
         let definition = self.text.definition(id);
         if let Some(name) = definition.name {
@@ -153,7 +153,7 @@ impl<'t> Builder<'_, 't> {
     }
 }
 
-/// Second step: what is connected to what.
+/// Second pass: connects the nodes and fragments.
 struct Connector<'a, 'b, 't> {
     text: &'b Text<'t>,
     links: Links<'b, 't>,
@@ -228,16 +228,16 @@ impl<'t> Connector<'_, '_, 't> {
         }
     }
 
-    /// What is connected to an in-port of a fragment.
+    /// Source of an in-port of a fragment.
     fn argument(&mut self, scope: BodyId, argument: &Argument) -> Option<PortRef> {
         match argument.value {
             Given::Link(source) => self.links.origin(scope, source, self.findings),
             Given::Text(_) => {
                 let name = argument.name;
                 let label = self.text.str(name);
-                let message = format!("a fragment has no parameters, but `{label}` is given");
+                let message = format!("fragments have no parameters, found `{label}`");
                 let place = self.text.span(self.text.argument_place(argument));
-                let finding = Finding::new(Code::RPI1103, message).at(place, "a text");
+                let finding = Finding::new(Code::RPI1103, message).at(place, "quoted value");
                 let value = "connect it to a constant: `name=Core::DoubleValue(Value='..')`";
                 self.findings.push(finding.help(value));
                 None
@@ -291,7 +291,7 @@ impl<'t> Connector<'_, '_, 't> {
         self.links.origin(body, source, self.findings)
     }
 
-    /// Reports a link to a port with a fixed meaning if it is of another type.
+    /// Reports a type mismatch at a port with a fixed meaning.
     fn check(&mut self, port: PortRef, needed: PortType, name: Word) {
         let finding = self.links.wrong_type_at(port, needed, name);
         self.findings.extend(finding);
@@ -306,9 +306,11 @@ fn restarts_on_activation(text: &Text<'_>, argument: &Argument) -> bool {
 fn unknown_type(text: &Text<'_>, places: &[Word]) -> Finding {
     const SHOWN: usize = 4;
     let name = text.str(places[0]);
-    let finding = Finding::new(Code::RPI1101, format!("there is no primitive `{name}`"));
+    let finding = Finding::new(Code::RPI1101, format!("undefined primitive `{name}`"));
     let labelled = places.iter().take(SHOWN);
-    let finding = labelled.fold(finding, |f, word| f.at(text.span(*word), "not known"));
+    let finding = labelled.fold(finding, |f, word| {
+        f.at(text.span(*word), "unknown primitive")
+    });
     let finding = match places.len().saturating_sub(SHOWN) {
         0 => finding,
         more => finding.note(format!("and at {}", rpi_diag::counted(more, "more place"))),
@@ -321,6 +323,6 @@ fn unknown_type(text: &Text<'_>, places: &[Word]) -> Finding {
                 .fold(fix, |fix, word| fix.replace(text.span(*word), near.clone()));
             finding.help(format!("did you mean `{near}`?")).fix(fix)
         }
-        None => finding.help("the reference of primitives lists those that there are"),
+        None => finding.help("the primitive reference lists all primitives"),
     }
 }

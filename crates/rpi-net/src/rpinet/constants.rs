@@ -1,10 +1,10 @@
-//! Constants in a net's text: the primitives that give them, the parameters that they are made of.
+//! Constants in a net's text: the primitives that produce them and the parameters that encode them.
 
 use crate::literal;
 use rpi_image::{ParamType, Role, Scalar, Type, Value};
 use rpi_prims::registry;
 
-/// The primitive whose parameter `Value` can be this constant.
+/// Name of a constant primitive whose parameter `Value` can hold this constant.
 pub(super) fn primitive(constant: &Value) -> Option<&'static str> {
     let Some(Type::One(scalar)) = constant.ty() else {
         return None;
@@ -18,7 +18,7 @@ pub(super) fn primitive(constant: &Value) -> Option<&'static str> {
     found.map(|d| d.name)
 }
 
-/// The reals of which `make` makes a constant: its components, or for a rotation its angles about z, y, x.
+/// Reals from which `make` builds a constant: its components, or the Euler angles about z, y, x of a rotation.
 pub(super) fn parts(constant: &Value, count: usize, make: fn(&[f64]) -> Value) -> Vec<f64> {
     let components: Vec<f64> = constant
         .cells()

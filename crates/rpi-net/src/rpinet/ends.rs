@@ -1,9 +1,9 @@
-//! How commands end and what they publish, in the words of the reference system's nets.
+//! Converts the results and exports of a command to the ports and primitives of the reference system's nets.
 //!
-//! A command ends by named results and exports flows (M10). A net of the reference system ends by its out-port
-//! `outTerminate`, with the number in `outFail`, and publishes by primitives. So each result becomes a published Boolean,
-//! true in the cycle in which that result is chosen, and a `yield` waits for a successor. What a net has no words for is
-//! reported.
+//! A command ends with named results and exports flows (M10). A net of the reference system ends by its out-port
+//! `outTerminate`, with the error number in `outFail`, and publishes by primitives. So each result becomes a published
+//! Boolean that is true in the cycle in which the result is chosen, and a `yield` waits for a successor. Properties
+//! that a `.rpinet` file cannot express are reported.
 
 use crate::net::{
     Driver, FragmentId, Input, Net, Node, NodeId, Origin, PortRef, ResultKind, ResultPort,
@@ -17,7 +17,8 @@ use rpi_image::{
 };
 use rpi_prims::{PrimId, registry};
 
-/// The net of a command with ports and primitives in place of its results and exports, and what it cannot hold.
+/// Returns a copy of the net with ports and primitives in place of its results and exports, and diagnostics for all
+/// that is lost.
 #[must_use]
 pub fn with_ports(net: &Net) -> (Net, Vec<Finding>) {
     let mut ending = Ending {
@@ -35,7 +36,7 @@ pub fn with_ports(net: &Net) -> (Net, Vec<Finding>) {
     (ending.net, findings)
 }
 
-/// A net in the making.
+/// Net under construction, with the analyses that it needs.
 struct Ending {
     net: Net,
     tree: Tree,
@@ -50,7 +51,7 @@ impl Ending {
             let ty = node.outputs[usize::from(export.source.port)];
             let source = Input::Port(export.source);
             if self.publish(&export.key, source, ty).is_none() {
-                let message = format!("`{}` cannot be published by a net", export.key);
+                let message = format!("`{}` cannot be published in a `.rpinet` net", export.key);
                 let finding = Finding::new(Code::RPI9102, message);
                 let why = format!("no primitive publishes {ty}");
                 self.findings.push(finding.at(export.origin.span, why));
@@ -74,6 +75,7 @@ impl Ending {
             any = self.logic("Core::BooleanOr", vec![any, conditions[*k].clone()]);
         }
         let mut error = Input::Const(Box::new(Value::int(0)));
+        // In reverse order, so that the first `fail` in the text decides the error number.
         for (number, k) in (1..).zip(&fails).collect::<Vec<_>>().into_iter().rev() {
             let number = Input::Const(Box::new(Value::int(number)));
             let inputs = vec![conditions[*k].clone(), number, error];
@@ -85,7 +87,7 @@ impl Ending {
         };
     }
 
-    /// A result's condition; a `yield` needs a successor, too.
+    /// Returns the condition of a result. A `yield` also needs a successor.
     fn condition(&mut self, result: &ResultPort) -> Input {
         let condition = self.total(&result.condition);
         let takeover = registry().iter().map(|prim| prim.desc);
@@ -99,7 +101,7 @@ impl Ending {
         }
     }
 
-    /// A Boolean that is false where the given one is absent.
+    /// Returns a Boolean that is false where `condition` is absent.
     fn total(&mut self, condition: &Input) -> Input {
         let no = Input::Const(Box::new(Value::bool(false)));
         let seen = self.presences.as_ref();
@@ -115,7 +117,7 @@ impl Ending {
         }
     }
 
-    /// A primitive of the root, by its first out-port.
+    /// Adds a primitive to the root and returns its first out-port.
     fn logic(&mut self, name: &str, inputs: Vec<Input>) -> Input {
         match PrimId::of(name) {
             Some(prim) => {
@@ -138,7 +140,7 @@ impl Ending {
         Some(())
     }
 
-    /// Adds a primitive to the root, its parameters by their defaults, `Key` as given.
+    /// Adds a primitive to the root. Its parameters have their defaults, except `Key`, which is set to `key`.
     fn add(&mut self, name: &str, prim: PrimId, inputs: Vec<Input>, key: &str) -> NodeId {
         let desc = prim.desc();
         let param = |param: &Param| match param.name {
@@ -168,7 +170,7 @@ impl Ending {
     }
 }
 
-/// A net has no budgets.
+/// Diagnostics for declared budgets, which a `.rpinet` file cannot express.
 fn budgets(net: &Net) -> impl Iterator<Item = Finding> + '_ {
     let stated = net.fragments.iter().filter(|f| f.budget_ns.is_some());
     stated.map(|fragment| {
@@ -176,12 +178,13 @@ fn budgets(net: &Net) -> impl Iterator<Item = Finding> + '_ {
             "" => "the command".to_owned(),
             name => format!("`{name}`"),
         };
-        let message = format!("the budget of {what} is not kept in the text of the net");
+        let message = format!("the budget of {what} is lost in the `.rpinet` text");
         Finding::new(Code::RPI9102, message).at(fragment.origin.span, "has a budget")
     })
 }
 
-/// In a net what one condition activates is one step: flows of two clocks that feed one another are a ring there.
+/// Diagnostic for mutually dependent clocks. In a `.rpinet` net all operations of a condition form one step, so flows
+/// of two clocks that depend on each other are a dependency cycle.
 fn clocks_in_a_ring(net: &Net) -> Option<Finding> {
     if !net.fragments.iter().any(|fragment| fragment.is_clock) {
         return None;
@@ -192,12 +195,16 @@ fn clocks_in_a_ring(net: &Net) -> Option<Finding> {
     }
     let mut found = analyse(grouped, |_| false).ok()?.findings.into_iter();
     let ring = found.find(|finding| finding.code == Code::RPI4001)?;
-    let message = "flows of several clocks feed one another: as a net this is a ring, which the reference system refuses";
-    let finding = Finding::new(Code::RPI9102, message).at(ring.span(), "part of the ring");
-    Some(finding.help("take what another clock needs out of the clock: sample it where it is read"))
+    let message = "flows of several clocks form a dependency cycle in a `.rpinet` net";
+    let finding =
+        Finding::new(Code::RPI9102, message).at(ring.span(), "part of the dependency cycle");
+    Some(
+        finding.help("move the flow out of its clock and sample it where the other clock reads it"),
+    )
 }
 
-/// A net does not tell which ports of a device set one actuator; those of arms are known to.
+/// Diagnostics for mutually exclusive device ports, which a `.rpinet` file cannot express. Those of arms are known to
+/// the reference system.
 fn alternatives(net: &Net) -> impl Iterator<Item = Finding> + '_ {
     let written = |device: &str, port: &str| {
         let mut nodes = net.nodes.iter();
@@ -214,7 +221,7 @@ fn alternatives(net: &Net) -> impl Iterator<Item = Finding> + '_ {
         };
         let device = &group.device;
         let message = format!(
-            "that `{device}.{a}` and `{device}.{b}` set one actuator is not kept in the text of the net"
+            "the conflict of `{device}.{a}` and `{device}.{b}` is lost in the `.rpinet` text"
         );
         let finding = Finding::new(Code::RPI9102, message).at(first.origin.span, "set here");
         Some(finding.also(second.origin.span, "and here"))

@@ -1,4 +1,4 @@
-//! Where links come from: from name to name, through the ports of fragments, to the out-port of a primitive.
+//! Resolves links: from a name, through the ports of fragments, to the out-port of a primitive.
 
 use super::names::{Names, PARENT};
 use super::text::{BodyId, DefinitionId, Given, Kind, Source, Subject, Text, Word};
@@ -8,54 +8,55 @@ use rpi_image::PortType;
 use rpi_prims::PrimId;
 use rustc_hash::FxHashMap;
 
-/// The nodes that definitions have become.
+/// Node and primitive of each definition; `None` for fragments and undefined primitives.
 pub(super) type Nodes = Vec<Option<(NodeId, PrimId)>>;
 
-/// Finds the origin of links.
+/// Resolver of links.
 pub(super) struct Links<'a, 't> {
     pub(super) text: &'a Text<'t>,
     pub(super) names: &'a Names<'t>,
     pub(super) nodes: &'a Nodes,
-    /// The primitive of each node.
+    /// Primitive of each node, by node index.
     prims: Vec<PrimId>,
     ports: FxHashMap<Port, Origin>,
-    /// How many more names are looked up for a "did you mean": a broken net may have thousands of wrong names.
+    /// Remaining name searches for "did you mean" hints. The number is limited, since a broken net may have thousands
+    /// of wrong names.
     hints: u32,
 }
 
-/// A port on a fragment's border.
+/// Port on the border of a fragment.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 enum Port {
-    /// An in-port: index of the fragment's definition, and of its argument.
+    /// In-port: index of the fragment's definition, and of its argument.
     In(DefinitionId, usize),
-    /// An out-port: index of the fragment, and of the port in it.
+    /// Out-port: index of the fragment, and of the port in it.
     Out(BodyId, usize),
 }
 
-/// What is known of a port on a border.
+/// State of the resolution of a border port.
 #[derive(Clone, Copy)]
 enum Origin {
-    /// It is being looked for.
+    /// Resolution is in progress; reaching the port again is a dependency cycle.
     Open,
-    /// The out-port that it stands for; none if it has none, for a reason already reported.
+    /// Out-port that the border port is an alias of; `None` after an error that was already reported.
     Known(Option<PortRef>),
 }
 
-/// What a link leads to in one step.
+/// Result of following a link by one step.
 enum Step {
     Node(PortRef),
     Border(Port),
 }
 
-/// Why a link leads nowhere.
+/// Reason why a link cannot be resolved.
 enum Broken {
-    /// Because of a fault that is reported where it is.
+    /// An error that is reported at its own location.
     Elsewhere,
-    /// No definition of this name.
+    /// Undefined name.
     Name,
-    /// No such port on what the name stands for.
+    /// Undefined port of a known definition.
     Port,
-    /// The net itself has no `parent`.
+    /// `parent` in the root fragment, which has none.
     Root,
 }
 
@@ -71,8 +72,8 @@ impl<'a, 't> Links<'a, 't> {
         }
     }
 
-    /// The out-port of a primitive at which a link begins. Faults of its first step are reported; of the others when
-    /// the link that makes them is looked at.
+    /// Returns the out-port of a primitive from which a link originates. Reports errors of the first step only; an
+    /// error of a later step is reported for the link that contains it.
     pub(super) fn origin(
         &mut self,
         scope: BodyId,
@@ -126,7 +127,7 @@ impl<'a, 't> Links<'a, 't> {
         found
     }
 
-    /// The link that is connected to a port on a border, and the fragment in which it stands.
+    /// Link that is connected to a border port, and the fragment that contains the link.
     fn behind(&self, port: Port) -> Option<(BodyId, Source)> {
         match port {
             Port::In(id, k) => {
@@ -169,7 +170,7 @@ impl<'a, 't> Links<'a, 't> {
         }
     }
 
-    /// An in-port of the fragment in which a link stands.
+    /// Resolves a link to an in-port of the fragment that contains the link (`parent.port`).
     fn in_port(&self, scope: BodyId, source: Source) -> Result<Step, Broken> {
         let id = self.text.body(scope).definition.ok_or(Broken::Root)?;
         let k = self
@@ -179,7 +180,7 @@ impl<'a, 't> Links<'a, 't> {
         Ok(Step::Border(Port::In(id, k)))
     }
 
-    /// What is wrong with a link to a port of a fixed meaning; nothing if the types agree.
+    /// Returns the type mismatch of a link to a port with a fixed meaning; `None` if the types agree.
     pub(super) fn wrong_type_at(
         &self,
         port: PortRef,
@@ -189,10 +190,10 @@ impl<'a, 't> Links<'a, 't> {
         let (ty, from) = self.port_type(port).filter(|(ty, _)| *ty != needed)?;
         let [given, needed] = [ty, needed].map(type_name);
         let to = self.str(name);
-        let message = format!("`{from}` gives {given}, `{to}` takes {needed}");
+        let message = format!("type mismatch: `{from}` is {given}, `{to}` expects {needed}");
         let place = self.text.span(name);
-        let finding = Finding::new(Code::RPI2101, message).at(place, format!("takes {needed}"));
-        Some(finding.help(format!("connect something that gives {needed}")))
+        let finding = Finding::new(Code::RPI2101, message).at(place, format!("expects {needed}"));
+        Some(finding.help(format!("connect an out-port that is {needed}")))
     }
 
     fn report(&mut self, broken: Broken, scope: BodyId, source: Source) -> Option<Finding> {
@@ -202,8 +203,11 @@ impl<'a, 't> Links<'a, 't> {
             Broken::Port => Some(self.no_port(scope, source)),
             Broken::Root => {
                 let place = self.text.span(self.text.source_place(source));
-                let finding = Finding::new(Code::RPI1105, "the net itself has no in-ports");
-                let finding = finding.at(place, "`parent` is the fragment around; there is none");
+                let finding = Finding::new(Code::RPI1105, "the root fragment has no in-ports");
+                let finding = finding.at(
+                    place,
+                    "`parent` is the enclosing fragment; the root has none",
+                );
                 Some(finding.help("link to a primitive or fragment of the net by its name"))
             }
         }
@@ -213,7 +217,7 @@ impl<'a, 't> Links<'a, 't> {
         let Subject::Name(word) = source.of else {
             return self.no_port(scope, source);
         };
-        let message = format!("nothing is called `{}` here", self.str(word));
+        let message = format!("undefined name `{}`", self.str(word));
         let place = self.text.span(word);
         let finding =
             Finding::new(Code::RPI1104, message).at(place, "not defined in this fragment");
@@ -228,12 +232,9 @@ impl<'a, 't> Links<'a, 't> {
             elsewhere.filter(|d| d.name.is_some_and(|n| text.str(n) == text.str(word)));
         match elsewhere.next().filter(|_| self.hints > 0) {
             Some(other) => finding
-                .also(
-                    self.text.span(other.place),
-                    "this one is in another fragment",
-                )
-                .help("lead it through an out-port of its fragment, or an in-port of this one"),
-            None => finding.help("define it, or link to a primitive or fragment that is there"),
+                .also(self.text.span(other.place), "defined in another fragment")
+                .help("route it through an out-port of its fragment, or an in-port of this one"),
+            None => finding.help("define it, or link to an existing primitive or fragment"),
         }
     }
 
@@ -242,15 +243,15 @@ impl<'a, 't> Links<'a, 't> {
         let (what, ports) = self.ports_of(scope, source);
         let message = format!("{what} has no port `{port}`");
         let place = self.text.span(source.port);
-        let finding = Finding::new(Code::RPI1105, message).at(place, "no such port");
+        let finding = Finding::new(Code::RPI1105, message).at(place, "undefined port");
         match self.hint(port, ports.iter().copied()) {
             Some(near) => finding.did_you_mean(place, Some(near)),
-            None if ports.is_empty() => finding.help("it has no such ports at all"),
-            None => finding.help(format!("it has {}", list(&ports))),
+            None if ports.is_empty() => finding.help("it has no ports"),
+            None => finding.help(format!("available ports: {}", list(&ports))),
         }
     }
 
-    /// What a link's subject is, in words, and the ports that a link can begin at.
+    /// Description of a link's subject, and the names of the ports from which a link may originate.
     fn ports_of(&self, scope: BodyId, source: Source) -> (String, Vec<&'t str>) {
         let id = match source.of {
             Subject::Name(word) if self.str(word) == PARENT => {
@@ -258,7 +259,7 @@ impl<'a, 't> Links<'a, 't> {
                 let arguments = around.map(|d| self.text.arguments(self.text.definition(d)));
                 let arguments = arguments.unwrap_or_default().iter();
                 let ports = arguments.map(|a| self.str(a.name)).collect();
-                return ("the fragment around".into(), ports);
+                return ("the enclosing fragment".into(), ports);
             }
             Subject::Name(word) => self.names.definition(scope, self.str(word)),
             Subject::Definition(id) => Some(id),
@@ -302,7 +303,7 @@ impl<'a, 't> Links<'a, 't> {
     }
 }
 
-/// A port's type in words.
+/// Describes a port's type with an article where needed.
 pub(super) fn type_name(ty: PortType) -> String {
     match ty {
         PortType::One(s) => s.to_string(),
@@ -311,7 +312,7 @@ pub(super) fn type_name(ty: PortType) -> String {
     }
 }
 
-/// Some names, for a message.
+/// Joins names for a message. At most eight names are shown.
 pub(super) fn list(names: &[&str]) -> String {
     const SHOWN: usize = 8;
     let mut shown: Vec<String> = names.iter().take(SHOWN).map(|n| format!("`{n}`")).collect();

@@ -10,11 +10,11 @@
 //! argument = name [ "[" seconds "]" ] "=" ( "'" text "'" | subject "." outPort )
 //! name, type, outPort = { letter | digit | "_" | ":" }
 //! ```
-//! `parent` stands for the in-ports of the fragment around. Types of ports are not in the text; they come from
-//! [`rpi_prims::registry()`]. Recording times in brackets are read over: what is recorded is chosen when a net is run.
+//! `parent` refers to the in-ports of the enclosing fragment. The text contains no port types; they come from
+//! [`rpi_prims::registry()`]. Recording times in brackets are ignored: recorded flows are selected when a net is run.
 //!
-//! The reference's two readers differ; this one takes what either writes. An unknown in-port is a warning (its Java core
-//! ignores it, its C++ core refuses it); unknown types, parameters and names are errors (as in both).
+//! The two parsers of the reference system differ; this one accepts the output of both. An unknown in-port is a warning
+//! (the Java core ignores it, the C++ core rejects it). Unknown types, parameters and names are errors, as in both.
 
 mod arguments;
 mod build;
@@ -39,8 +39,8 @@ pub use parse::MAX_DEPTH;
 pub use size::Size;
 pub use value::write as value_text;
 
-/// Reads a net; `name` becomes the net's, `file` is where the text lies. All faults of the text are found in one go.
-/// There is a net exactly if none of the findings is an error.
+/// Parses a net with the given name from a text in `file`. Reports all errors of the text in one run. The net is `Some`
+/// exactly if no diagnostic is an error.
 #[must_use]
 pub fn read(name: &str, file: FileId, text: &str) -> (Option<Net>, Vec<Finding>) {
     let (text, mut findings) = parse::parse(file, text);
@@ -52,14 +52,14 @@ pub fn read(name: &str, file: FileId, text: &str) -> (Option<Net>, Vec<Finding>)
     (net, findings)
 }
 
-/// Writes a net. Results, exports and budgets of commands have no place in the text: [`with_ports`] puts what it has words
-/// for in place of them.
+/// Formats a net as text. Results, exports and budgets of commands have no text form: apply [`with_ports`] first, which
+/// converts what it can.
 #[must_use]
 pub fn write(net: &Net) -> String {
     write::write(net, &Tree::new(net))
 }
 
-/// Counts what stands in a text, repetitions included, whether or not it makes a net.
+/// Counts the elements of a text, including repeated definitions, whether or not the text is a valid net.
 #[must_use]
 pub fn text_size(text: &str) -> Size {
     Size::of_text(&parse::parse(FileId(0), text).0)

@@ -1,4 +1,4 @@
-//! What each name of a text stands for. Names are local to their fragment.
+//! Name resolution of a net's text. Names are local to their fragment.
 
 use super::text::{
     Argument, BodyId, Definition, DefinitionId, Given, Kind, Place, Subject, Text, Word,
@@ -8,13 +8,13 @@ use rpi_diag::{Code, Finding};
 use rustc_hash::{FxBuildHasher, FxHashMap};
 use std::hash::BuildHasher;
 
-/// The word that stands for the enclosing fragment's in-ports.
+/// Reserved word for the in-ports of the enclosing fragment.
 pub(super) const PARENT: &str = "parent";
 
-/// All names of a text.
+/// Symbol table of a text.
 pub(super) struct Names<'t> {
     text: &'t Text<'t>,
-    /// By scope and name, which both stand in the definition: so an entry is no more than its index.
+    /// Definitions by scope and name. Both are stored in the definition, so that an entry needs only its index.
     definitions: HashTable<DefinitionId>,
     aliases: FxHashMap<(BodyId, &'t str), Word>,
     outputs: FxHashMap<(BodyId, &'t str), usize>,
@@ -23,7 +23,7 @@ pub(super) struct Names<'t> {
 }
 
 impl<'t> Names<'t> {
-    /// Enters all names. The reference writes some definitions twice; the second is passed over if it says the same.
+    /// Enters all names. The reference system writes some definitions twice; an identical repetition is ignored.
     pub(super) fn new(text: &'t Text<'t>, findings: &mut Vec<Finding>) -> Self {
         let mut names = Names {
             text,
@@ -43,10 +43,10 @@ impl<'t> Names<'t> {
         names
     }
 
-    /// The definition that a name stands for.
+    /// Returns the definition with this name, following aliases.
     pub(super) fn definition(&self, scope: BodyId, name: &'t str) -> Option<DefinitionId> {
         let mut name = name;
-        // As many steps as there are second names: they may stand for each other in a circle.
+        // The number of steps is limited to the number of aliases, since aliases may form a cycle.
         for _ in 0..self.aliases.len() {
             match self.aliases.get(&(scope, name)) {
                 Some(other) => name = self.text.str(*other),
@@ -71,7 +71,7 @@ impl<'t> Names<'t> {
         self.inputs.get(&(fragment, name)).copied()
     }
 
-    /// Whether a definition says again what another one has said, or stands inside one that does.
+    /// Whether a definition repeats an earlier one, or is inside a definition that does.
     pub(super) fn is_repeated(&self, id: DefinitionId) -> bool {
         self.repeated[id as usize]
     }
@@ -158,7 +158,7 @@ fn hash(scope: BodyId, name: &str) -> u64 {
     FxBuildHasher.hash_one((scope, name))
 }
 
-/// The hash under which a definition is entered; those without a name are not.
+/// Hash of a definition's scope and name. Definitions without a name are not entered in the table.
 fn hash_of(text: &Text<'_>, id: DefinitionId) -> u64 {
     let definition = text.definition(id);
     let name = definition.name.map_or("", |n| text.str(n));
@@ -170,7 +170,7 @@ fn is_called(text: &Text<'_>, id: DefinitionId, scope: BodyId, name: &str) -> bo
     definition.scope == scope && definition.name.is_some_and(|n| text.str(n) == name)
 }
 
-/// Whether two definitions say the same: letter for letter, or the same type with the same arguments in any order.
+/// Whether two definitions are equal: the same text, or the same type with the same arguments in any order.
 fn same(text: &Text<'_>, a: &Definition, b: &Definition) -> bool {
     if text.str(a.place) == text.str(b.place) {
         return true;
@@ -183,7 +183,7 @@ fn same(text: &Text<'_>, a: &Definition, b: &Definition) -> bool {
     }
 }
 
-/// The arguments as they stand, recording times left out, sorted by name.
+/// Arguments of a definition without recording times, sorted by name.
 fn arguments<'t>(text: &Text<'t>, definition: &Definition) -> Vec<(&'t str, &'t str, &'t str)> {
     let said = |a: &Argument| {
         let name = text.str(a.name);
@@ -204,18 +204,18 @@ fn twice(text: &Text<'_>, name: Word, first: Place, second: Place) -> Finding {
     let name = text.str(name);
     Finding::new(
         Code::RPI1106,
-        format!("`{name}` is defined twice, and not the same way"),
+        format!("conflicting definitions of `{name}`"),
     )
     .at(text.span(second), "defined again here")
     .also(text.span(first), "first defined here")
     .help("give one of them another name, or delete the wrong one")
-    .note("the same definition may stand twice: the reference writes its nets so")
+    .note("identical definitions may be repeated, as the reference system does")
 }
 
 fn reserved(text: &Text<'_>, name: Word) -> Finding {
     Finding::new(
         Code::RPI1106,
-        "`parent` already means the enclosing fragment",
+        "`parent` is reserved for the enclosing fragment",
     )
     .at(text.span(name), "defined here")
     .help("give this definition another name")

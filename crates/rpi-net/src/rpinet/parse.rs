@@ -1,7 +1,7 @@
-//! From characters to [`Text`]: a cursor and recursive descent, linear in the length of the text.
+//! Recursive descent parser from characters to [`Text`], linear in the length of the text.
 //!
-//! After a fault the parser goes on behind the next comma of the same list, so that one run reports every independent
-//! one. Nesting is limited: no text can exhaust the stack.
+//! After an error the parser resumes behind the next comma of the same list, so that one run reports every independent
+//! error. The nesting depth is limited so that no text can overflow the stack.
 
 use super::text::{
     Argument, Body, BodyId, Definition, DefinitionId, Given, Kind, Output, Place, Source, Subject,
@@ -11,10 +11,10 @@ use rpi_diag::{Code, FileId, Finding};
 
 mod cursor;
 
-/// Deepest nesting of fragments and primitives within each other. The reference's nets have at most 5.
+/// Maximal nesting depth of fragments and primitives. Nets of the reference system have at most 5 levels.
 pub const MAX_DEPTH: usize = 100;
 
-/// Takes a net's text apart.
+/// Parses the text of a net.
 pub(super) fn parse(file: FileId, text: &str) -> (Text<'_>, Vec<Finding>) {
     let mut parser = Parser {
         out: Text {
@@ -29,12 +29,12 @@ pub(super) fn parse(file: FileId, text: &str) -> (Text<'_>, Vec<Finding>) {
         open: Vec::new(),
         findings: Vec::new(),
     };
-    // A fault that stops the whole net is among the findings.
+    // An error that aborts the whole net is already among the diagnostics.
     let _ = parser.net();
     (parser.out, parser.findings)
 }
 
-/// The fault is among the findings; whoever called goes on where it can.
+/// Marker for a syntax error that was already reported. The caller recovers where it can.
 struct Stop;
 
 type Parsed<T> = Result<T, Stop>;
@@ -43,20 +43,20 @@ struct Parser<'t> {
     out: Text<'t>,
     at: usize,
     depth: usize,
-    /// Arguments of the definitions that are not closed yet, the innermost last.
+    /// Arguments of the definitions that are not closed yet, innermost last.
     open: Vec<Argument>,
     findings: Vec<Finding>,
 }
 
-/// What an entry of a list stands in.
+/// List that is being parsed: entries of a fragment, or arguments of a definition.
 #[derive(Clone, Copy)]
 struct List {
-    /// Where its bracket stands.
+    /// Byte offset of the opening bracket.
     open: usize,
     close: u8,
-    /// What the bracket belongs to: the fragment of the entries.
+    /// Fragment that contains the items of the list.
     scope: BodyId,
-    /// The definition whose arguments these are.
+    /// Definition whose arguments the list contains; `None` for the entries of a fragment.
     owner: Option<DefinitionId>,
 }
 
@@ -82,7 +82,7 @@ impl<'t> Parser<'t> {
         }
     }
 
-    /// Entries or arguments, separated by commas, up to and with the closing bracket.
+    /// Parses entries or arguments, separated by commas, including the closing bracket.
     fn list(&mut self, list: List) -> Parsed<()> {
         loop {
             self.space();
@@ -118,7 +118,7 @@ impl<'t> Parser<'t> {
         Ok(())
     }
 
-    /// Skips to the next comma of this list, or its end.
+    /// Skips to the next comma of this list, or to its end.
     fn recover(&mut self, list: List) -> Parsed<()> {
         let mut depth = 0_usize;
         loop {
@@ -127,7 +127,7 @@ impl<'t> Parser<'t> {
                 None => return Err(Stop),
                 Some(b',') if depth == 0 => return Ok(()),
                 Some(c) if c == list.close && depth == 0 => return Ok(()),
-                // The bracket of the list around: this one was not closed.
+                // Closing bracket of the enclosing list: this list was not closed.
                 Some(b'}') if depth == 0 => return Err(Stop),
                 Some(b'\'') => drop(self.quoted()),
                 Some(c) => {
@@ -142,11 +142,11 @@ impl<'t> Parser<'t> {
         }
     }
 
-    /// `name = primitive`, `name = primitive.port`, `name = other`.
+    /// Parses `name = primitive`, `name = primitive.port` or `name = other`.
     fn entry(&mut self, scope: BodyId) -> Parsed<()> {
         let name = self.word("the name of a primitive or out-port")?;
         self.debug_time()?;
-        self.expect(b'=', "`=` stands between a name and what it means")?;
+        self.expect(b'=', "write `=` between a name and its definition")?;
         let of = self.subject(scope, None, Some(name))?;
         self.space();
         if self.eat(b'.') {
@@ -160,24 +160,24 @@ impl<'t> Parser<'t> {
         Ok(())
     }
 
-    /// In `name = Type(..).port` the name is the port's, and the primitive has none.
+    /// Removes the name of a definition: in `name = Type(..).port` the name belongs to the out-port.
     fn rename(&mut self, of: Subject) {
         if let Subject::Definition(id) = of {
             self.definition(id).name = None;
         }
     }
 
-    /// `inPort = primitive.port` or `Parameter = 'text'`.
+    /// Parses `inPort = primitive.port` or `Parameter = 'text'`.
     fn argument(&mut self, scope: BodyId, owner: DefinitionId) -> Parsed<()> {
         let name = self.word("the name of an in-port or parameter")?;
         self.debug_time()?;
-        self.expect(b'=', "`=` stands between a port or parameter and its value")?;
+        self.expect(b'=', "write `=` between a port or parameter and its value")?;
         self.space();
         let value = if self.peek() == Some(b'\'') {
             Given::Text(self.quoted()?)
         } else {
             let of = self.subject(scope, Some(owner), None)?;
-            self.expect(b'.', "a link ends at an out-port: `name.outPort`")?;
+            self.expect(b'.', "a link needs an out-port: `name.outPort`")?;
             let port = self.word("the name of an out-port")?;
             Given::Link(Source { of, port })
         };
@@ -185,7 +185,7 @@ impl<'t> Parser<'t> {
         Ok(())
     }
 
-    /// `name`, `Type(..)` or `{..}(..)`.
+    /// Parses `name`, `Type(..)` or `{..}(..)`.
     fn subject(
         &mut self,
         scope: BodyId,
@@ -211,7 +211,7 @@ impl<'t> Parser<'t> {
         Ok(Subject::Definition(id))
     }
 
-    /// Enters a definition, as a fragment until it is known to be a primitive.
+    /// Adds a definition. Its kind is a fragment until the caller has parsed a primitive.
     fn define(
         &mut self,
         scope: BodyId,
@@ -282,11 +282,10 @@ impl<'t> Parser<'t> {
 
     fn nested(&mut self, start: usize, inner: impl FnOnce(&mut Self) -> Parsed<()>) -> Parsed<()> {
         if self.depth == MAX_DEPTH {
-            let message =
-                format!("more than {MAX_DEPTH} primitives and fragments within each other");
+            let message = format!("primitives and fragments are nested more than {MAX_DEPTH} deep");
             let finding = Finding::new(Code::RPI0103, message)
-                .at(self.span(start, self.at), "this is too deep")
-                .help("give inner primitives a name and link to them by it");
+                .at(self.span(start, self.at), "nested too deeply")
+                .help("name the inner primitives and link to them by name");
             return Err(self.fault(finding));
         }
         self.depth += 1;
@@ -295,7 +294,8 @@ impl<'t> Parser<'t> {
         result
     }
 
-    /// `[seconds]`: the reference records this link for so long. Read over, since everything can be recorded here.
+    /// Skips `[seconds]`, for which the reference system records the link. It has no effect here, since every flow can
+    /// be recorded.
     fn debug_time(&mut self) -> Parsed<()> {
         self.space();
         let start = self.at;
@@ -312,8 +312,8 @@ impl<'t> Parser<'t> {
             return Ok(());
         }
         let finding = Finding::new(Code::RPI0101, "expected a recording time `[seconds]`")
-            .at(self.span(start, self.at), "not a time")
-            .help("delete the brackets: recordings are asked for when a net is run");
+            .at(self.span(start, self.at), "not a recording time")
+            .help("delete the brackets: recorded flows are selected when a net is run");
         Err(self.fault(finding))
     }
 }

@@ -1,4 +1,4 @@
-//! The names that a net's nodes, fragments and border ports have in its text.
+//! Assigns names in the text to a net's nodes, fragments and border ports.
 
 use super::build::{ACTIVATION, RESTART};
 use super::names::PARENT;
@@ -6,18 +6,18 @@ use crate::net::{Activation, Driver, FragmentId, Input, Net, NodeId, PortRef, Re
 use crate::tree::{Item, Tree};
 use std::collections::{BTreeSet, HashMap};
 
-/// Names of everything that a text names.
+/// Names of all elements of a net's text.
 pub(super) struct Ports<'a> {
     net: &'a Net,
     tree: &'a Tree,
-    /// Names that differ from the net's, which may hold signs that a text cannot.
+    /// Text names that differ from those of the net, which may contain characters that the text does not allow.
     node_names: HashMap<NodeId, String>,
     fragment_names: HashMap<FragmentId, String>,
     inputs: Vec<Border>,
     outputs: Vec<Border>,
 }
 
-/// The in-ports or the out-ports of a fragment.
+/// In-ports or out-ports of a fragment.
 #[derive(Clone, Default)]
 struct Border {
     ports: Vec<(String, Input)>,
@@ -26,7 +26,7 @@ struct Border {
 }
 
 impl<'a> Ports<'a> {
-    /// Names everything: declared ports first, then those that links need besides.
+    /// Assigns all names: declared ports first, then further ports that links need.
     pub(super) fn new(net: &'a Net, tree: &'a Tree) -> Self {
         let mut ports = Ports {
             net,
@@ -46,22 +46,22 @@ impl<'a> Ports<'a> {
         ports
     }
 
-    /// The in-ports of a fragment with what is connected to them, in order.
+    /// In-ports of a fragment with their sources, in order.
     pub(super) fn inputs(&self, fragment: FragmentId) -> &[(String, Input)] {
         &self.inputs[fragment.index()].ports
     }
 
-    /// The out-ports of a fragment with what is connected to them, in order.
+    /// Out-ports of a fragment with their sources, in order.
     pub(super) fn outputs(&self, fragment: FragmentId) -> &[(String, Input)] {
         &self.outputs[fragment.index()].ports
     }
 
-    /// The in-port of a fragment that carries a flow.
+    /// Name of the in-port of a fragment that carries a flow.
     pub(super) fn input(&self, fragment: FragmentId, port: PortRef) -> &str {
         self.inputs[fragment.index()].name_of(port)
     }
 
-    /// The out-port of a fragment that carries a flow.
+    /// Name of the out-port of a fragment that carries a flow.
     pub(super) fn output(&self, fragment: FragmentId, port: PortRef) -> &str {
         self.outputs[fragment.index()].name_of(port)
     }
@@ -78,7 +78,8 @@ impl<'a> Ports<'a> {
             .map_or_else(own, String::as_str)
     }
 
-    /// Finds names for the items of a fragment whose own a text cannot hold, or that another item has.
+    /// Assigns names to the members of a fragment. A name changes if the text does not allow it or another member has
+    /// it.
     fn name_items(&mut self, fragment: FragmentId) {
         let mut taken = BTreeSet::from([PARENT.to_owned()]);
         for item in self.tree.items(fragment) {
@@ -114,7 +115,7 @@ impl<'a> Ports<'a> {
         }
     }
 
-    /// Adds the ports that a link from a flow to the fragment `scope` needs.
+    /// Adds the border ports that a link from a flow to the fragment `scope` needs.
     fn require(&mut self, scope: FragmentId, port: PortRef) {
         let (tree, origin) = (self.tree, self.net.node(port.node).fragment);
         let common = tree.common(scope, origin);
@@ -136,7 +137,7 @@ impl Border {
         self.ports.push((free_name(name, &taken), source));
     }
 
-    /// Adds a port that carries a flow unless there is one.
+    /// Adds a port that carries a flow unless one exists.
     fn need(&mut self, prefix: &str, port: PortRef) {
         if !self.carrying.contains_key(&port) {
             let mut number = self.ports.len();
@@ -155,7 +156,7 @@ impl Border {
     }
 }
 
-/// Every flow that is read, with the fragment in which its reader stands.
+/// All flows that are read, each with the fragment of the reader.
 fn readings(net: &Net) -> impl Iterator<Item = (FragmentId, PortRef)> + '_ {
     let nodes = net.nodes.iter().flat_map(|n| {
         let inputs = n.inputs.iter().filter_map(Input::port);
@@ -189,7 +190,7 @@ fn readings(net: &Net) -> impl Iterator<Item = (FragmentId, PortRef)> + '_ {
         .chain(driver.map(|p| (FragmentId::ROOT, p)))
 }
 
-/// A name of letters, digits, `_` and `:` like `wanted` that is not taken.
+/// Returns a name like `wanted` that is not taken and contains only letters, digits, `_` and `:`.
 fn free_name(wanted: &str, taken: &BTreeSet<String>) -> String {
     let fits = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == ':';
     let clean: String = wanted

@@ -1,31 +1,31 @@
-//! How large a net is, counted in its text and in the net that was read from it.
+//! Size of a net, counted in its text or in the net itself.
 
 use super::text::{Given, Kind, Text};
 use crate::net::{Activation, FragmentId, Net};
 use std::collections::BTreeSet;
 
-/// Counts of a net.
+/// Element counts of a net.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct Size {
-    /// Primitives.
+    /// Number of primitives.
     pub primitives: usize,
-    /// Fragments besides the root.
+    /// Number of fragments besides the root.
     pub fragments: usize,
-    /// Of these, those that are not always active.
+    /// Number of fragments that are not always active.
     pub gated: usize,
-    /// Fragments within each other besides the root.
+    /// Maximal nesting depth of fragments; 0 for the root alone.
     pub depth: usize,
-    /// Connected in-ports of primitives and fragments.
+    /// Number of connected in-ports of primitives and fragments.
     pub links: usize,
-    /// Different types of primitives.
+    /// Number of different primitive types.
     pub types: usize,
-    /// Length of the text; 0 for a net that has none.
+    /// Length of the text in bytes; 0 for a net without text.
     pub bytes: usize,
 }
 
 impl Size {
-    /// Counts a net as it will run: what its text repeats counts once, and a link counts where it ends, at a primitive,
-    /// whatever borders it crosses.
+    /// Counts a net as it will run. A repeated definition counts once. A link counts once, at the primitive where it
+    /// ends, whatever borders it crosses.
     #[must_use]
     pub fn of(net: &Net) -> Size {
         let linked = |n: &crate::net::Node| n.inputs.iter().filter(|i| i.port().is_some()).count();
@@ -47,8 +47,8 @@ impl Size {
         }
     }
 
-    /// Counts a text as it stands, as the reference counts: a definition that stands twice counts twice, and every
-    /// argument that is a link counts.
+    /// Counts a text as the reference system does. A repeated definition counts twice, and every argument that is a
+    /// link counts.
     pub(super) fn of_text(text: &Text<'_>) -> Size {
         let mut size = Size {
             fragments: text.fragments.len() - 1,

@@ -1,32 +1,33 @@
-//! A net's text taken apart: names as they stand, nothing resolved.
+//! Parsed text of a net, with unresolved names.
 //!
-//! Definitions lie in one list in the order of their beginnings, so that a definition comes before those inside it.
+//! Definitions are stored in one list in the order of their first bytes, so that a definition comes before those inside
+//! it.
 
 use rpi_diag::{FileId, Span};
 
-/// A text and what stands in it.
+/// Text with its parsed elements.
 #[derive(Debug)]
 pub(super) struct Text<'t> {
-    /// Where the text lies.
+    /// File of the text.
     pub(super) file: FileId,
-    /// The whole text.
+    /// Whole text.
     pub(super) text: &'t str,
     /// All definitions.
     pub(super) definitions: Vec<Definition>,
-    /// All arguments, those of one definition side by side.
+    /// All arguments. The arguments of one definition are adjacent.
     pub(super) arguments: Vec<Argument>,
     /// All fragments; the first is the root.
     pub(super) fragments: Vec<Body>,
 }
 
-/// A piece of the text, as byte offsets.
+/// Range of the text in bytes, or of a list.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct Place {
     pub(super) start: u32,
     pub(super) end: u32,
 }
 
-/// A place or index in a text; texts are shorter than 4 GiB, the parser sees to it.
+/// Converts an offset or index to `u32`. The parser rejects texts of 4 GiB and more.
 pub(super) fn number(k: usize) -> u32 {
     u32::try_from(k).unwrap_or(u32::MAX)
 }
@@ -44,7 +45,7 @@ impl Place {
     }
 }
 
-/// A name or a quoted text, by its place: [`Text::str`] gives its letters.
+/// Range of a name or of the content of a quoted text; [`Text::str`] returns the characters.
 pub(super) type Word = Place;
 
 /// Index into [`Text::definitions`].
@@ -52,72 +53,72 @@ pub(super) type DefinitionId = u32;
 /// Index into [`Text::fragments`].
 pub(super) type BodyId = u32;
 
-/// A primitive or a fragment with what is connected to it.
+/// Primitive or fragment with its arguments.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Definition {
-    /// The fragment in which it stands.
+    /// Fragment that contains the definition.
     pub(super) scope: BodyId,
-    /// The definition in whose arguments it stands, if it has no name of its own.
+    /// Definition in whose arguments this one is written, if it has no name of its own.
     pub(super) owner: Option<DefinitionId>,
-    /// Its name; none where it stands in another's arguments.
+    /// Name of the definition; `None` if it is written in the arguments of another one.
     pub(super) name: Option<Word>,
     pub(super) kind: Kind,
-    /// Its range in [`Text::arguments`].
+    /// Range in [`Text::arguments`].
     pub(super) arguments: Place,
-    /// From its type or `{` to its last `)`.
+    /// Location from the type or `{` to the last `)`.
     pub(super) place: Place,
 }
 
-/// What is defined.
+/// Kind of a definition.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Kind {
-    /// A primitive of this type.
+    /// Primitive with this type name.
     Primitive(Word),
-    /// A fragment.
+    /// Fragment.
     Fragment(BodyId),
 }
 
-/// The inside of a fragment, besides its definitions.
+/// Content of a fragment besides its definitions.
 #[derive(Debug, Default)]
 pub(super) struct Body {
-    /// The definition that it belongs to; none for the root.
+    /// Definition of the fragment; `None` for the root.
     pub(super) definition: Option<DefinitionId>,
-    /// Its out-ports.
+    /// Out-ports of the fragment.
     pub(super) outputs: Vec<Output>,
-    /// Second names.
+    /// Aliases: new name and existing name.
     pub(super) aliases: Vec<(Word, Word)>,
 }
 
-/// An out-port of a fragment.
+/// Out-port of a fragment.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Output {
     pub(super) name: Word,
     pub(super) source: Source,
 }
 
-/// What stands at an in-port or a parameter.
+/// In-port or parameter with its value.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Argument {
     pub(super) name: Word,
     pub(super) value: Given,
 }
 
-/// A link or a parameter's text.
+/// Value of an argument.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Given {
     Link(Source),
-    /// The text between the quotes, as it stands.
+    /// Text between the quotes, with its escapes.
     Text(Word),
 }
 
-/// One end of a link: an out-port.
+/// Source of a link: an out-port.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Source {
     pub(super) of: Subject,
     pub(super) port: Word,
 }
 
-/// Whose out-port.
+/// Owner of the out-port of a link.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Subject {
     Name(Word),
@@ -125,17 +126,17 @@ pub(super) enum Subject {
 }
 
 impl<'t> Text<'t> {
-    /// The definition of this index.
+    /// Returns the definition with this index.
     pub(super) fn definition(&self, id: DefinitionId) -> &Definition {
         &self.definitions[id as usize]
     }
 
-    /// All definition indices, in the order of their beginnings.
+    /// All definition indices, in the order of the text.
     pub(super) fn definition_ids(&self) -> impl Iterator<Item = DefinitionId> + use<> {
         (0..).take(self.definitions.len())
     }
 
-    /// The fragment of this index.
+    /// Returns the fragment with this index.
     pub(super) fn body(&self, id: BodyId) -> &Body {
         &self.fragments[id as usize]
     }
@@ -145,22 +146,22 @@ impl<'t> Text<'t> {
         (0..).take(self.fragments.len())
     }
 
-    /// What stands in a definition's parentheses.
+    /// Returns the arguments of a definition.
     pub(super) fn arguments(&self, definition: &Definition) -> &[Argument] {
         &self.arguments[definition.arguments.range()]
     }
 
-    /// The text at a place.
+    /// Returns the text in a range.
     pub(super) fn str(&self, place: Place) -> &'t str {
         &self.text[place.range()]
     }
 
-    /// A place as a span.
+    /// Converts a range to a span.
     pub(super) fn span(&self, place: Place) -> Span {
         Span::new(self.file, place.start, place.end)
     }
 
-    /// Where a link stands, from its subject to its port.
+    /// Location of a link, from its subject to its port.
     pub(super) fn source_place(&self, source: Source) -> Place {
         let start = match source.of {
             Subject::Name(word) => word.start,
@@ -172,7 +173,7 @@ impl<'t> Text<'t> {
         }
     }
 
-    /// Where the value of an argument stands.
+    /// Location of the value of an argument.
     pub(super) fn argument_place(&self, argument: &Argument) -> Place {
         match argument.value {
             Given::Link(source) => self.source_place(source),

@@ -1,13 +1,13 @@
-//! Parameters: texts to values and back.
+//! Parses and formats parameters.
 
 use crate::literal::{self, LiteralError};
 use rpi_image::{ParamType, Type, Value};
 use std::borrow::Cow;
 
-/// Reads a parameter.
+/// Parses a parameter.
 ///
 /// # Errors
-/// If the text is no value of the type.
+/// Returns an error if the text is not a value of the type.
 pub(super) fn parse(text: &str, ty: ParamType) -> Result<Value, LiteralError> {
     match ty {
         ParamType::Str => Ok(Value::Str(unescaped(text).into_owned())),
@@ -25,7 +25,7 @@ pub(super) fn parse(text: &str, ty: ParamType) -> Result<Value, LiteralError> {
     }
 }
 
-/// Writes a parameter so that [`parse`] reads it back.
+/// Formats a parameter such that [`parse`] reads it back.
 #[must_use]
 pub fn write(value: &Value) -> String {
     match value {
@@ -34,7 +34,7 @@ pub fn write(value: &Value) -> String {
     }
 }
 
-/// The neutral value of a parameter type: zero, empty.
+/// Returns the neutral value of a parameter type: zero or empty.
 pub(super) fn neutral(ty: ParamType) -> Value {
     match ty {
         ParamType::Str => Value::Str(String::new()),
@@ -42,7 +42,8 @@ pub(super) fn neutral(ty: ParamType) -> Value {
     }
 }
 
-/// The type of a parameter's values; arrays are empty. A text has none, and its defaults do not ask for it.
+/// Returns the flow type of a parameter; arrays are empty. A text has no flow type, and its default does not use the
+/// one returned here.
 pub(super) fn flow_type(ty: ParamType) -> Type {
     match ty {
         ParamType::One(scalar) => Type::One(scalar),
@@ -58,12 +59,12 @@ fn absent() -> LiteralError {
     }
 }
 
-/// The reference drops the `[` of an array without elements.
+/// Restores the `[` of an empty array, which the reference system drops.
 fn restored(text: &str) -> &str {
     if text.trim() == "]" { "[]" } else { text }
 }
 
-/// A text without its escapes: `\'` and `\\`. Other backslashes stand for themselves, as the reference writes them.
+/// Resolves the escapes `\'` and `\\`. Other backslashes are literal, as the reference system writes them.
 fn unescaped(text: &str) -> Cow<'_, str> {
     if !text.contains('\\') {
         return Cow::Borrowed(text);

@@ -1,7 +1,8 @@
-//! From a [`Net`] to its text.
+//! Formats a [`Net`] as text.
 //!
-//! In a net, links run from primitive to primitive; in the text they go through ports on the borders of fragments.
-//! Declared ports are used where they carry the flow, others are added. What was read from a text reads back equal.
+//! In a net, links run from primitive to primitive; in the text they pass through ports on the borders of fragments.
+//! Declared ports are used where they carry the flow, others are added. A net that was parsed from a text is equal
+//! after formatting and parsing.
 
 use super::build::{FAIL, RESTART, RESTART_ON_ACTIVATION, TERMINATE};
 use super::constants;
@@ -13,7 +14,7 @@ use crate::tree::{Item, Tree};
 use rpi_image::{InPort, Need, Value};
 use std::fmt::Write;
 
-/// The text of a net. Its driver must be ports ([`super::with_ports`] makes them of results).
+/// Formats a net. Its driver must be ports ([`super::with_ports`] converts results to ports).
 pub(super) fn write(net: &Net, tree: &Tree) -> String {
     let mut writer = Writer {
         net,
@@ -31,12 +32,12 @@ struct Writer<'a> {
     tree: &'a Tree,
     ports: Ports<'a>,
     out: String,
-    /// Whether the next entry of the list that is being written needs a comma before it.
+    /// Whether the next entry of the current list needs a comma before it.
     comma: bool,
 }
 
 impl Writer<'_> {
-    /// `{..}` with all that stands in a fragment.
+    /// Writes `{..}` with the contents of a fragment.
     fn body(&mut self, fragment: FragmentId) {
         self.open('{');
         for item in self.tree.items(fragment) {
@@ -88,7 +89,7 @@ impl Writer<'_> {
         self.close(')');
     }
 
-    /// The parameters that stand in for an in-port.
+    /// Writes the parameters that replace an in-port.
     fn stand_in(&mut self, port: &InPort, constant: &Value) {
         match port.need {
             _ if is_nameless(port) => {}
@@ -114,7 +115,7 @@ impl Writer<'_> {
         }
     }
 
-    /// `name=source` for whatever is connected, as seen in the fragment `scope`.
+    /// Writes `name=source` for a source as seen in the fragment `scope`.
     fn link(&mut self, name: &str, scope: FragmentId, source: &Input) {
         match source {
             Input::Open => {}
@@ -133,7 +134,7 @@ impl Writer<'_> {
         }
     }
 
-    /// A flow by the name that it has in a fragment.
+    /// Writes a flow by its name in the fragment `scope`.
     fn reference(&mut self, scope: FragmentId, port: PortRef) {
         let origin = self.net.node(port.node).fragment;
         if origin == scope {
@@ -178,7 +179,7 @@ impl Writer<'_> {
     }
 }
 
-/// Whether an input is written as a link: a flow, or a constant that no parameter can give.
+/// Whether an input is written as a link: a flow, or a constant that no parameter can express.
 fn is_linked(port: &InPort, input: &Input) -> bool {
     let Input::Const(constant) = input else {
         return input.port().is_some();
@@ -189,7 +190,7 @@ fn is_linked(port: &InPort, input: &Input) -> bool {
     }
 }
 
-/// Whether the reference has no parameter that stands in for an in-port, although ours has.
+/// Whether the reference system has no parameter that replaces this in-port, although this system has.
 fn is_nameless(port: &InPort) -> bool {
     port.name == "inReset"
 }

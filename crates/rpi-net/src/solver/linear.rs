@@ -1,4 +1,4 @@
-//! Literals for comparisons of sums of integer variables with constants, and what they say of one another.
+//! Literals for comparisons of linear integer terms with constants, and the clauses between these literals.
 
 use super::rational::gcd;
 use super::sat::{Lit, Sat};
@@ -6,7 +6,7 @@ use super::simplex::{Feasible, Simplex};
 use rustc_hash::FxHashMap;
 use std::collections::BTreeMap;
 
-/// A sum of variables with factors, sorted by variable, and a constant.
+/// Linear term: a sum of variables with coefficients, sorted by variable, plus a constant.
 #[derive(Clone, PartialEq, Eq, Hash, Debug, Default)]
 pub(crate) struct Linear {
     pub(crate) terms: Vec<(usize, i64)>,
@@ -28,7 +28,7 @@ impl Linear {
         }
     }
 
-    /// This and `factor` times another one; nothing if a factor or the constant does not fit.
+    /// Returns `self + factor * other`; `None` on overflow.
     pub(crate) fn plus(&self, other: &Linear, factor: i64) -> Option<Linear> {
         let mut terms: BTreeMap<usize, i64> = self.terms.iter().copied().collect();
         for (variable, own) in &other.terms {
@@ -44,7 +44,7 @@ impl Linear {
     }
 }
 
-/// A literal that is true exactly if a variable of the simplex is at most a bound.
+/// Literal that is true exactly if a simplex variable is at most a bound.
 #[derive(Clone, Copy, Debug)]
 struct Atom {
     lit: Lit,
@@ -58,17 +58,17 @@ pub(crate) struct Comparisons {
     simplex: Simplex,
     sums: FxHashMap<Vec<(usize, i64)>, usize>,
     atoms: Vec<Atom>,
-    /// For each variable of the simplex its literals by bound.
+    /// For each simplex variable, its literals by bound.
     bounds: FxHashMap<usize, BTreeMap<i128, Lit>>,
 }
 
 impl Comparisons {
-    /// A new integer between two limits.
+    /// Adds an integer variable with inclusive bounds.
     pub(crate) fn variable(&mut self, low: i64, high: i64) -> usize {
         self.simplex.variable(i128::from(low), i128::from(high))
     }
 
-    /// A literal that is true exactly if the sum is at most a bound; nothing if it is too large to be compared.
+    /// Returns a literal that is true exactly if the sum is at most `bound`; `None` on overflow.
     pub(crate) fn at_most_bound(
         &mut self,
         sat: &mut Sat,
@@ -101,7 +101,7 @@ impl Comparisons {
         })
     }
 
-    /// The variable of the simplex that stands for a sum.
+    /// Returns the simplex variable for a sum; adds one if needed.
     fn normal(&mut self, terms: Vec<(usize, i64)>) -> Option<usize> {
         if let [(variable, 1)] = terms[..] {
             return Some(variable);
@@ -122,7 +122,7 @@ impl Comparisons {
         Some(sum)
     }
 
-    /// The literal of a bound; its neighbours are tied to it by clauses.
+    /// Returns the literal of an upper bound. Clauses relate it to the next smaller and the next greater bound.
     fn at_most(&mut self, sat: &mut Sat, variable: usize, bound: i128) -> Lit {
         let (low, high) = self.simplex.limits(variable);
         if bound < low || bound >= high {
@@ -148,17 +148,17 @@ impl Comparisons {
         lit
     }
 
-    /// Number of comparisons and variables: what a check looks at.
+    /// Number of comparisons and variables that a check visits.
     pub(crate) fn size(&self) -> usize {
         self.atoms.len() + self.simplex.size()
     }
 
-    /// What the last check has cost beyond looking at each comparison.
+    /// Cost of the last check, in steps, besides the visit of each comparison.
     pub(crate) fn work(&self) -> u64 {
         self.simplex.work()
     }
 
-    /// Whether the comparisons that an assignment makes true have a solution.
+    /// Checks whether the comparisons that an assignment makes true have an integer solution.
     pub(crate) fn check(&mut self, sat: &Sat) -> Feasible {
         let bounds: Vec<(usize, i128, bool, Lit)> = self
             .atoms
@@ -173,7 +173,7 @@ impl Comparisons {
         self.simplex.check(&bounds)
     }
 
-    /// The value of a sum in the solution that was found last.
+    /// Value of a sum in the last solution; `None` if it is not an integer or overflows.
     pub(crate) fn value(&self, sum: &Linear) -> Option<i128> {
         let mut total = i128::from(sum.constant);
         for (variable, factor) in &sum.terms {

@@ -1,7 +1,7 @@
-//! A decision procedure for Booleans and linear integer arithmetic: clauses, gates over literals, and comparisons.
+//! SMT solver for Booleans and linear integer arithmetic: clauses, gates over literals, and comparisons.
 //!
-//! [`sat`] searches the Boolean structure, [`simplex`] refutes sets of bounds, [`linear`] ties the two together. Reals take
-//! part as integers that are ordered as they are. It must not know nets.
+//! [`sat`] searches the Boolean structure, [`simplex`] refutes sets of bounds, [`linear`] connects the two. Reals are
+//! represented by integers in the same order. The solver does not depend on nets.
 
 mod linear;
 mod rational;
@@ -15,10 +15,10 @@ use sat::Sat;
 pub(crate) use sat::{Answer, Lit};
 use simplex::Feasible;
 
-/// Steps that a check of the comparisons counts as, per comparison and variable.
+/// Cost of a check of the comparisons, in steps per comparison and variable.
 const STEPS_PER_COMPARISON: u64 = 8;
 
-/// A problem that grows, and the solution that was found last.
+/// Incremental problem with its last solution.
 #[derive(Debug)]
 pub(crate) struct Solver {
     sat: Sat,
@@ -35,17 +35,17 @@ impl Solver {
         }
     }
 
-    /// A new Boolean.
+    /// Adds a Boolean variable.
     pub(crate) fn fresh(&mut self) -> Lit {
         self.sat.fresh()
     }
 
-    /// Number of Booleans so far: what building the problem has cost.
+    /// Number of Boolean variables, a measure of the cost of building the problem.
     pub(crate) fn size(&self) -> usize {
         self.sat.len()
     }
 
-    /// Requires that one of these is true.
+    /// Adds a clause: at least one of the literals must be true.
     pub(crate) fn require(&mut self, clause: &[Lit]) {
         self.sat.add(clause);
     }
@@ -99,17 +99,17 @@ impl Solver {
         self.or(left, right)
     }
 
-    /// A new integer between two limits.
+    /// Adds an integer variable with inclusive bounds.
     pub(crate) fn integer(&mut self, low: i64, high: i64) -> usize {
         self.comparisons.variable(low, high)
     }
 
-    /// A literal that is true exactly if the sum is at most 0; one of which nothing is known if it is too large.
+    /// Returns a literal that is true exactly if the sum is at most 0. On overflow, the literal is unconstrained.
     pub(crate) fn at_most_zero(&mut self, sum: &Linear) -> Lit {
         self.at_most(sum, 0)
     }
 
-    /// A literal that is true exactly if the sum is a 64-bit integer; one of which nothing is known if it is too large.
+    /// Returns a literal that is true exactly if the sum fits in `i64`. On overflow, the literal is unconstrained.
     pub(crate) fn fits(&mut self, sum: &Linear) -> Lit {
         let is_low = self.at_most(sum, i128::from(i64::MAX));
         let is_too_low = self.at_most(sum, i128::from(i64::MIN) - 1);
@@ -123,7 +123,7 @@ impl Solver {
         }
     }
 
-    /// Looks for a solution under assumptions. Steps are taken off `steps`.
+    /// Searches for a solution under assumptions. Subtracts the steps taken from `steps`.
     pub(crate) fn solve(&mut self, assumptions: &[Lit], steps: &mut u64) -> Answer {
         loop {
             match self.sat.search(assumptions, steps) {
@@ -135,7 +135,7 @@ impl Solver {
             let checked = self.comparisons.check(&self.sat);
             *steps = steps.saturating_sub(self.comparisons.work());
             match checked {
-                // What is left open counts as a solution: nothing is proved by it.
+                // An unknown result counts as a solution, so that it never proves anything.
                 Feasible::Yes | Feasible::Unknown => return Answer::Sat,
                 Feasible::No(_) if *steps == 0 => return Answer::Unknown,
                 Feasible::No(together) => {
@@ -146,12 +146,12 @@ impl Solver {
         }
     }
 
-    /// The truth value of a literal in the solution that was found last.
+    /// Truth value of a literal in the last solution.
     pub(crate) fn value(&self, lit: Lit) -> Option<bool> {
         self.sat.value(lit)
     }
 
-    /// The value of a sum in the solution that was found last.
+    /// Value of a sum in the last solution.
     pub(crate) fn sum(&self, sum: &Linear) -> Option<i128> {
         self.comparisons.value(sum)
     }

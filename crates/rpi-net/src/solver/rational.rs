@@ -1,8 +1,8 @@
-//! Exact fractions of 128-bit integers. An operation whose result does not fit gives nothing.
+//! Exact fractions of 128-bit integers. Operations return `None` on overflow.
 
 use std::cmp::Ordering;
 
-/// A fraction in lowest terms with a positive denominator.
+/// Fraction in lowest terms with a positive denominator.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct Rational {
     numerator: i128,
@@ -56,7 +56,7 @@ impl Rational {
         )
     }
 
-    /// The quotient; nothing for the divisor 0.
+    /// Quotient; `None` for the divisor 0 and on overflow.
     pub(crate) fn div(self, other: Rational) -> Option<Rational> {
         if other.numerator == 0 {
             return None;
@@ -79,7 +79,7 @@ impl Rational {
         self.numerator > 0
     }
 
-    /// The integer that it is, if it is one.
+    /// Value as an integer; `None` if it is not one.
     pub(crate) fn as_whole(self) -> Option<i128> {
         (self.denominator == 1).then_some(self.numerator)
     }
@@ -88,12 +88,12 @@ impl Rational {
         self.denominator
     }
 
-    /// The greatest integer that is not greater.
+    /// Greatest integer that is at most the fraction.
     pub(crate) fn floor(self) -> i128 {
         self.numerator.div_euclid(self.denominator)
     }
 
-    /// The order of the two; nothing if the comparison does not fit into 128 bits.
+    /// Compares two fractions; `None` on overflow.
     pub(crate) fn order(self, other: Rational) -> Option<Ordering> {
         if self.denominator == other.denominator {
             return Some(self.numerator.cmp(&other.numerator));
@@ -104,7 +104,7 @@ impl Rational {
     }
 }
 
-/// The greatest common divisor, not negative; nothing if it does not fit.
+/// Non-negative greatest common divisor; `None` on overflow.
 pub(crate) fn gcd(a: i128, b: i128) -> Option<i128> {
     let (mut a, mut b) = (a.checked_abs()?, b.checked_abs()?);
     while b != 0 {

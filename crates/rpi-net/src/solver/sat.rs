@@ -1,19 +1,19 @@
-//! Satisfiability of clauses: conflict-driven clause learning (Marques-Silva and Sakallah 1999; watched literals as in
-//! Moskewicz et al. 2001).
+//! SAT solver: conflict-driven clause learning (Marques-Silva and Sakallah 1999) with watched literals as in Moskewicz
+//! et al. 2001.
 //!
-//! No restarts and no deletion of clauses: the problems are small and the number of steps is bounded. Ties are broken by
-//! number, so that the same clauses take the same steps on every machine.
+//! There are no restarts and no deletion of clauses: the problems are small and the number of steps is bounded. Ties
+//! are broken by index, so that the same clauses take the same steps on every machine.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::ops::Not;
 
-/// A Boolean variable or its negation.
+/// Boolean variable or its negation. The lowest bit is the sign.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub(crate) struct Lit(u32);
 
 impl Lit {
-    /// Variable 0 is fixed to true.
+    /// True literal: variable 0 is fixed to true.
     pub(crate) const TRUE: Lit = Lit(0);
     pub(crate) const FALSE: Lit = Lit(1);
 
@@ -29,7 +29,7 @@ impl Lit {
         self.0 & 1 == 1
     }
 
-    /// The literal that has this truth value if its variable has that one.
+    /// Truth value of the literal if its variable has this value.
     fn of(self, value: bool) -> bool {
         value != self.is_negated()
     }
@@ -51,26 +51,26 @@ impl Not for Lit {
 pub(crate) enum Answer {
     Sat,
     Unsat,
-    /// The steps were used up.
+    /// The step budget is exhausted.
     Unknown,
 }
 
-/// No clause: a decision or a fact.
+/// Reason of a variable that no clause implies: a decision or a fact.
 const NONE: u32 = u32::MAX;
-/// Growth of the activity of variables per conflict, as a quotient.
+/// Growth factor of the activity increment per conflict (VSIDS).
 const DECAY: f64 = 1.0 / 0.95;
 const LARGE: f64 = 1e100;
-/// Steps that a decision counts as: it takes a place in the queue, and is taken back later.
+/// Cost of a decision in steps: it is queued, and undone later.
 const STEPS_PER_DECISION: u64 = 4;
 
-/// Variables that a conflict marks in the time of a step.
+/// Number of variables that a conflict marks in the time of one step.
 const VARIABLES_PER_STEP: u64 = 32;
 
-/// Clauses, and a partial assignment that is consistent with them.
+/// Clauses and a partial assignment. `limits` holds the trail length at each decision.
 #[derive(Debug)]
 pub(crate) struct Sat {
     clauses: Vec<Vec<Lit>>,
-    /// For each literal the clauses that watch it: looked at when it becomes false.
+    /// For each literal, the clauses that watch it. They are visited when the literal becomes false.
     watches: Vec<Vec<u32>>,
     values: Vec<Option<bool>>,
     levels: Vec<u32>,
@@ -78,7 +78,7 @@ pub(crate) struct Sat {
     phases: Vec<bool>,
     activity: Vec<f64>,
     bump: f64,
-    /// Candidates for the next decision; outdated entries are skipped.
+    /// Candidates for the next decision, by activity. Outdated entries are skipped.
     queue: BinaryHeap<(u64, Reverse<u32>)>,
     trail: Vec<Lit>,
     limits: Vec<usize>,
@@ -108,7 +108,7 @@ impl Sat {
         sat
     }
 
-    /// A new variable as a positive literal.
+    /// Adds a variable and returns its positive literal.
     pub(crate) fn fresh(&mut self) -> Lit {
         let var = u32::try_from(self.values.len()).unwrap_or(u32::MAX >> 1);
         self.watches.extend([Vec::new(), Vec::new()]);
@@ -126,12 +126,12 @@ impl Sat {
         self.values.len()
     }
 
-    /// Truth value of a literal in the present assignment.
+    /// Truth value of a literal in the current assignment.
     pub(crate) fn value(&self, lit: Lit) -> Option<bool> {
         self.values[lit.var()].map(|value| lit.of(value))
     }
 
-    /// Adds a clause. The search starts over from the facts.
+    /// Adds a clause and undoes all decisions.
     pub(crate) fn add(&mut self, clause: &[Lit]) {
         self.backtrack(0);
         let mut lits: Vec<Lit> = clause.to_vec();
@@ -151,8 +151,8 @@ impl Sat {
         }
     }
 
-    /// Looks for an assignment of all variables that satisfies all clauses and the assumptions. Takes a step off `steps`
-    /// for each clause that it looks at. After `Sat` the assignment stays until clauses are added.
+    /// Searches for an assignment of all variables that satisfies all clauses and the assumptions. Subtracts one step
+    /// from `steps` for each clause visited. After `Sat`, the assignment is kept until clauses are added.
     pub(crate) fn search(&mut self, assumptions: &[Lit], steps: &mut u64) -> Answer {
         self.backtrack(0);
         loop {
@@ -160,6 +160,7 @@ impl Sat {
                 return Answer::Unsat;
             }
             match self.propagate(steps) {
+                // A conflict without any decision refutes the clauses themselves.
                 Some(_) if self.limits.is_empty() => self.is_contradictory = true,
                 Some(conflict) => {
                     *steps = steps.saturating_sub(self.values.len() as u64 / VARIABLES_PER_STEP);
@@ -170,6 +171,7 @@ impl Sat {
                     Some(Ok(decision)) => {
                         *steps = steps.saturating_sub(STEPS_PER_DECISION);
                         self.limits.push(self.trail.len());
+                        // An assumption that is already true gets an empty level, since levels index the assumptions.
                         if self.value(decision).is_none() {
                             self.assign(decision, NONE);
                         }
@@ -181,7 +183,8 @@ impl Sat {
         }
     }
 
-    /// The next assumption, else the next decision; an error if an assumption does not hold; nothing if all is assigned.
+    /// Returns the next assumption or decision; an error if an assumption is false; `None` if all variables are
+    /// assigned.
     fn next(&mut self, assumptions: &[Lit]) -> Option<Result<Lit, ()>> {
         if let Some(&assumed) = assumptions.get(self.limits.len()) {
             return Some(match self.value(assumed) {
@@ -214,7 +217,7 @@ impl Sat {
         self.trail.push(lit);
     }
 
-    /// Follows all clauses with one literal left; a clause that has none, if there is one.
+    /// Unit propagation. Returns a clause whose literals are all false, if there is one.
     fn propagate(&mut self, steps: &mut u64) -> Option<u32> {
         while let Some(&lit) = self.trail.get(self.head) {
             self.head += 1;
@@ -238,7 +241,8 @@ impl Sat {
         None
     }
 
-    /// Finds another literal for a clause to watch: whether it still watches the false one, and whether all are false.
+    /// Searches for another literal that the clause can watch. Returns whether it still watches `falsified`, and
+    /// whether all its literals are false.
     fn visit(&mut self, id: u32, falsified: Lit) -> (bool, bool) {
         let at = id as usize;
         if self.clauses[at][0] == falsified {
@@ -265,7 +269,8 @@ impl Sat {
         }
     }
 
-    /// Learns the first unique implication point of a conflict and goes back to where it decides something.
+    /// Learns the first unique implication point of a conflict and backtracks to the level where the learnt clause is
+    /// unit.
     fn resolve(&mut self, conflict: u32) {
         let (learnt, level) = self.analyse(conflict);
         self.backtrack(level);
@@ -317,7 +322,8 @@ impl Sat {
         (learnt, level)
     }
 
-    /// Puts the literal of the highest level but the asserted one second, where it is watched; that level.
+    /// Moves the literal of the highest level, except the asserted one, to the second place, where it is watched.
+    /// Returns that level.
     fn second_highest_first(&self, learnt: &mut [Lit]) -> usize {
         let level = |lit: &Lit| self.levels[lit.var()];
         let highest = (1..learnt.len()).max_by_key(|k| (level(&learnt[*k]), Reverse(*k)));
@@ -339,7 +345,7 @@ impl Sat {
 
     fn enqueue(&mut self, var: usize) {
         let number = u32::try_from(var).unwrap_or(u32::MAX >> 1);
-        // Reals that are not negative are ordered as their bits are.
+        // The bits of non-negative reals are ordered like the reals.
         self.queue
             .push((self.activity[var].to_bits(), Reverse(number)));
     }

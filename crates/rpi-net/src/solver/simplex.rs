@@ -1,39 +1,40 @@
 //! Feasibility of bounds on integer variables and on sums of them: the simplex method with lazily asserted bounds
-//! (Dutertre and de Moura 2006), then a divisibility test and a few branches for the integers.
+//! (Dutertre and de Moura 2006), then a divisibility test and a limited branch and bound for the integers.
 //!
-//! Exact and bounded; what does not fit into 128 bits or takes too many steps is left open, which never counts as a proof.
+//! The arithmetic is exact and bounded. On overflow of 128 bits or after too many steps the result is `Unknown`, which
+//! never counts as a proof.
 
 use super::rational::{Rational, gcd};
 use super::sat::Lit;
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
-/// Branches for the integers of one question, at most.
+/// Maximal number of branches for the integers per check.
 const BRANCHES: usize = 40;
-/// Pivots of one question, at most.
+/// Maximal number of pivots per check.
 const PIVOTS: usize = 2_000;
-/// Steps of the search that the change of a row counts as.
+/// Cost of an update of a row, in steps of the SAT search.
 const STEPS_PER_ROW: u64 = 8;
 
-/// Why a bound holds.
+/// Justification of a bound.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Reason {
     Always,
     Asserted(Lit),
-    /// Case distinction of this depth.
+    /// Assumption of a branch at this depth.
     Branch(usize),
 }
 
-/// What a check gives.
+/// Result of a check.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) enum Feasible {
     Yes,
-    /// These literals cannot be true together.
+    /// These literals cannot all be true.
     No(Vec<Lit>),
     Unknown,
 }
 
-/// An error of a check: bounds that contradict each other, or nothing known.
+/// Reason for which a check ends early: a conflict between bounds, or an unknown result.
 enum Stop {
     Conflict(Vec<Reason>),
     Unknown,
@@ -48,18 +49,18 @@ struct Variable {
     value: Rational,
     lower: Bound,
     upper: Bound,
-    /// The bounds that always hold.
+    /// Bounds that always hold, inclusive.
     limits: (i128, i128),
 }
 
 type Row = BTreeMap<usize, Rational>;
 
-/// Variables with bounds, and rows: each says that a basic variable is a sum of others.
+/// Simplex tableau: variables with bounds, and rows that each define a basic variable as a sum of non-basic ones.
 #[derive(Debug, Default)]
 pub(crate) struct Simplex {
     variables: Vec<Variable>,
     rows: BTreeMap<usize, Row>,
-    /// What each sum is, over variables that are none.
+    /// Original definition of each sum over variables that are not sums.
     definitions: BTreeMap<usize, Row>,
     pivots: usize,
     branches: usize,
@@ -70,7 +71,7 @@ fn known<T>(value: Option<T>) -> Result<T, Stop> {
 }
 
 impl Simplex {
-    /// A new variable between two limits.
+    /// Adds a variable with inclusive bounds.
     pub(crate) fn variable(&mut self, low: i128, high: i128) -> usize {
         self.variables.push(Variable {
             value: Rational::whole(0.clamp(low, high)),
@@ -86,17 +87,17 @@ impl Simplex {
         self.variables.len()
     }
 
-    /// Rows that the last check has changed, about.
+    /// Approximate cost of the last check in steps.
     pub(crate) fn work(&self) -> u64 {
         (self.pivots + self.branches) as u64 * (self.rows.len() as u64 + 1) * STEPS_PER_ROW
     }
 
-    /// The limits of a variable.
+    /// Bounds of a variable that always hold, inclusive.
     pub(crate) fn limits(&self, variable: usize) -> (i128, i128) {
         self.variables[variable].limits
     }
 
-    /// A new variable that is this sum; nothing if that does not fit.
+    /// Adds a variable that equals a sum; `None` on overflow.
     pub(crate) fn sum(&mut self, terms: &[(usize, i64)], limits: (i128, i128)) -> Option<usize> {
         let mut row = Row::new();
         let mut definition = Row::new();
@@ -117,7 +118,7 @@ impl Simplex {
         Some(new)
     }
 
-    /// Forgets all bounds but those that always hold.
+    /// Resets all bounds to those that always hold.
     pub(crate) fn reset(&mut self) {
         for variable in &mut self.variables {
             variable.lower = Some((variable.limits.0, Reason::Always));
@@ -126,11 +127,13 @@ impl Simplex {
         (self.pivots, self.branches) = (0, 0);
     }
 
-    /// Adds bounds and checks everything: variable, bound, whether it is an upper one, and the literal that says so.
+    /// Asserts bounds and checks feasibility. Each bound consists of a variable, its value, whether it is an upper
+    /// bound, and its literal.
     pub(crate) fn check(&mut self, bounds: &[(usize, i128, bool, Lit)]) -> Feasible {
         self.reset();
         let mut asserted = bounds.iter();
         let all = self
+            // Non-basic variables keep their values from the last check as a warm start.
             .recompute()
             .and_then(|()| {
                 asserted.try_for_each(|(variable, bound, is_upper, lit)| {
@@ -150,7 +153,7 @@ impl Simplex {
         }
     }
 
-    /// The rows as they are defined: an exchange that does not fit stops half-way and leaves them wrong.
+    /// Restores the original rows: a pivot that overflows ends half-way and leaves the rows inconsistent.
     fn start_over(&mut self) {
         self.rows.clone_from(&self.definitions);
         for variable in &mut self.variables {
@@ -159,7 +162,7 @@ impl Simplex {
         }
     }
 
-    /// The integer that a variable is after a check, if it is one.
+    /// Integer value of a variable after a check; `None` if the value is not an integer.
     pub(crate) fn value(&self, variable: usize) -> Option<i128> {
         self.variables[variable].value.as_whole()
     }
@@ -186,13 +189,14 @@ impl Simplex {
             true => order == Ordering::Greater,
             false => order == Ordering::Less,
         };
+        // A basic variable outside its bounds is repaired later by `feasible`.
         match violated && !self.rows.contains_key(&at) {
             true => self.update(at, limit),
             false => Ok(()),
         }
     }
 
-    /// Sets a variable that is no sum, and all sums with it.
+    /// Sets a non-basic variable and updates all basic ones.
     fn update(&mut self, at: usize, value: Rational) -> Checked {
         let change = known(value.sub(self.variables[at].value))?;
         self.variables[at].value = value;
@@ -205,7 +209,7 @@ impl Simplex {
         Ok(())
     }
 
-    /// The first sum outside of its bounds: how far it must move, and whether upwards.
+    /// First basic variable outside its bounds, with the bound to move to and whether it lies above.
     fn violation(&self) -> Result<Option<(usize, i128, bool)>, Stop> {
         for basic in self.rows.keys() {
             let variable = &self.variables[*basic];
@@ -237,7 +241,8 @@ impl Simplex {
         Ok(())
     }
 
-    /// A variable that can move so that the sum moves in this direction; the first one, so that it ends (Bland 1977).
+    /// First non-basic variable that can move the basic one in this direction. Choosing the first one guarantees
+    /// termination (Bland 1977).
     fn entering(&self, basic: usize, upwards: bool) -> Option<usize> {
         let row = self.rows.get(&basic)?;
         let can_move = |(at, factor): &(&usize, &Rational)| {
@@ -262,7 +267,7 @@ impl Simplex {
         own.into_iter().chain(others).map(|(_, why)| why).collect()
     }
 
-    /// Makes `entering` the sum in place of `basic`, which takes the value `target`.
+    /// Exchanges `basic` for `entering`; `basic` takes the value `target`.
     fn pivot(&mut self, basic: usize, entering: usize, target: i128) -> Checked {
         let Some(mut row) = self.rows.remove(&basic) else {
             return Err(Stop::Unknown);
@@ -287,7 +292,7 @@ impl Simplex {
         self.recompute()
     }
 
-    /// The values of all sums from those of the other variables.
+    /// Computes the values of all basic variables from the non-basic ones.
     fn recompute(&mut self) -> Checked {
         for (basic, row) in &self.rows {
             let mut sum = Rational::ZERO;
@@ -300,7 +305,7 @@ impl Simplex {
         Ok(())
     }
 
-    /// Whether each row has a solution in integers once the variables with equal bounds have their values.
+    /// Divisibility (GCD) test: whether each row has an integer solution when variables with equal bounds are fixed.
     fn divisible(&self) -> Checked {
         for (basic, row) in &self.rows {
             let mut scale: i128 = 1;
@@ -337,7 +342,7 @@ impl Simplex {
         (low == high).then_some((low, [why, because]))
     }
 
-    /// Tells cases apart until all variables are integers.
+    /// Branches until all variables are integers.
     fn integral(&mut self, depth: usize) -> Checked {
         let fraction = (0..self.variables.len()).find(|at| self.value(*at).is_none());
         let Some(at) = fraction else {
@@ -362,6 +367,7 @@ impl Simplex {
             (self.variables[at].lower, self.variables[at].upper) = saved;
             let depends = found.contains(&Reason::Branch(depth));
             reasons.extend(found.into_iter().filter(|r| *r != Reason::Branch(depth)));
+            // If the conflict does not depend on this branch, the other branch fails in the same way.
             if !depends {
                 break;
             }

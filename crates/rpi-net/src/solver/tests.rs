@@ -1,8 +1,8 @@
-//! Small problems with answers known from a search of all assignments.
+//! Tests with small problems whose answers are known from an exhaustive search.
 
 use super::*;
 
-/// A generator of numbers (Steele et al. 2014, SplitMix64).
+/// Pseudo-random number generator SplitMix64 (Steele et al. 2014).
 struct Random(u64);
 
 impl Random {
@@ -15,7 +15,8 @@ impl Random {
     }
 }
 
-/// A comparison `sum of factors * x + constant <= 0` or a Boolean, negated or not.
+/// Disjunct of a clause: a comparison `sum of factors * x + constant <= 0`, or a Boolean. The last field says whether
+/// it must hold.
 #[derive(Clone, Debug)]
 enum Part {
     Boolean(usize, bool),
@@ -139,7 +140,7 @@ fn remainders_that_exclude_each_other_are_refuted() {
     assert_eq!(solver.solve(&[], &mut 100_000), Answer::Unsat);
 }
 
-/// Comparisons that are not required, with factors too large to compute with: nothing is refuted because of them.
+/// Comparisons that are not required have factors that overflow. They must not refute anything.
 #[test]
 fn what_does_not_fit_refutes_nothing() {
     let mut random = Random(41);
@@ -160,7 +161,7 @@ fn what_does_not_fit_refutes_nothing() {
         }
         let mut clauses = Vec::new();
         for _ in 0..3 {
-            // Two of the large comparisons are looked at, then a question about small integers.
+            // Assume two of the large comparisons first, then ask about small integers.
             let asked = [0; 2].map(|_| lits[random.below(lits.len() as u64) as usize]);
             solver.solve(&asked, &mut 100_000);
             clauses.push(vec![small_comparison(&mut random)]);

@@ -1,11 +1,12 @@
-//! The recorded nets beside the project.
+//! Recorded nets outside the repository.
 #![allow(dead_code, reason = "each test binary uses a part")]
 
 use rpi_diag::{FileId, Finding, Severity, SourceMap, Style, render};
 use rpi_net::Net;
 use std::path::PathBuf;
 
-/// Name and text of every net in a folder beside the project, sorted by name. None (said loudly) where it is missing.
+/// Name and text of every net in a folder outside the repository, sorted by name; `None`, with a message, if it is
+/// missing.
 pub(crate) fn nets_in(folder: &str) -> Option<Vec<(String, String)>> {
     let dir = rpi_testkit::shared_path(&format!("nets/{folder}"))?;
     let mut paths: Vec<PathBuf> = std::fs::read_dir(dir)
@@ -30,16 +31,16 @@ pub(crate) fn all() -> Option<Vec<(String, String)>> {
     Some(all?.into_iter().flatten().collect())
 }
 
-/// The net of a text that has no error.
+/// Parses a text and returns its net.
 ///
 /// # Panics
-/// If it has one, with all findings.
+/// Panics with all diagnostics if the text has an error.
 pub(crate) fn net(name: &str, text: &str) -> Net {
     let (net, findings) = rpi_net::rpinet::read(name, FileId(0), text);
     net.unwrap_or_else(|| panic!("{}", shown(name, text, &findings)))
 }
 
-/// Findings as a reader sees them, errors first.
+/// Renders diagnostics as a user sees them, errors first.
 pub(crate) fn shown(name: &str, text: &str, findings: &[Finding]) -> String {
     let mut sources = SourceMap::new();
     sources.add(name, text);

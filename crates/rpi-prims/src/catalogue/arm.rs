@@ -1,4 +1,4 @@
-//! Robot arms: joints, tool, kinematics.
+//! Robot arms: joints, tool and kinematics.
 
 use super::devices::{actuator, function, sensor};
 use crate::bulk::Array;
@@ -19,8 +19,8 @@ pub(super) const ALL: &[Prim] = &[
 ];
 
 interface! {
-    /// State of one axis: position (rad, m for a linear axis), velocity and acceleration, as commanded and as measured,
-    /// and its error code (0 if it is well).
+    /// State of one axis as commanded and as measured: position (rad), velocity (rad/s) and acceleration (rad/s²); m,
+    /// m/s and m/s² for a linear axis. `outError` is the error code of the axis, 0 if there is no error.
     JOINT_MONITOR = "RobotArm::JointMonitor";
     in {}
     param { Robot: Text = Str(""); Axis: i64 = Int(0) }
@@ -46,8 +46,8 @@ interface! {
 }
 
 interface! {
-    /// Set-point of one axis in rad (m for a linear axis). The out-ports tell what the device says to it; nothing without a
-    /// set-point.
+    /// Sets the position of one axis, in rad (m for a linear axis). The out-ports are the response of the device in
+    /// this cycle; they are absent if there is no set-point.
     JOINT_POSITION = "RobotArm::JointPosition";
     in { inPosition: f64 }
     param { Robot: Text = Str(""); Axis: i64 = Int(0) }
@@ -67,8 +67,8 @@ interface! {
 }
 
 interface! {
-    /// Tells the arm its load: mass (kg), centre of mass (m) and moments of inertia (kg m²). Completed once the arm has
-    /// taken it over.
+    /// Sets the load of the arm: mass (kg), centre of mass (m) and moments of inertia (kg m²). `outCompleted` is true
+    /// once the arm has accepted the load.
     TOOL_PARAMETERS = "RobotArm::ToolParameters";
     in {
         inMass: f64 = Mass(Real(0.0));
@@ -82,7 +82,7 @@ interface! {
 }
 
 interface! {
-    /// Pose of the tool in the arm's base for joint positions in rad.
+    /// Forward kinematics: pose of the tool in the base frame of the arm. Joint positions are in rad.
     KIN = "ArmKinematics::Kin";
     in { inJoints: Array<f64> }
     param { Robot: Text = Str("") }
@@ -92,8 +92,8 @@ interface! {
 }
 
 interface! {
-    /// Joint positions in rad that bring the tool to a pose in the arm's base, near to the hint; all not a number where there
-    /// are none.
+    /// Inverse kinematics: joint positions (rad) for a pose of the tool in the base frame of the arm. The solution is
+    /// the one close to `inHintJoints`. All elements are not a number if there is no solution.
     INV_KIN = "ArmKinematics::InvKin";
     in { inFrame: Pose; inHintJoints: Array<f64> }
     param { Robot: Text = Str("") }
@@ -104,8 +104,8 @@ interface! {
 }
 
 interface! {
-    /// Pose and velocity of the tool in the device's base, as commanded and as measured, and the device's error code (0 if
-    /// it is well).
+    /// Pose (m) and velocity (m/s, rad/s) of the tool in the base frame of the device, as commanded and as measured.
+    /// `outError` is the error code of the device, 0 if there is no error.
     CARTESIAN_MONITOR = "CartesianPosition::CartesianMonitor";
     in {}
     param { Robot: Text = Str("") }
@@ -127,8 +127,8 @@ interface! {
 }
 
 interface! {
-    /// Set-point for a device that takes poses of its tool in its base. The out-ports tell what the device says to it; nothing
-    /// without a set-point.
+    /// Sets the pose of the tool in the base frame of the device. The out-ports are the response of the device in this
+    /// cycle; they are absent if there is no set-point.
     CARTESIAN_POSITION = "CartesianPosition::CartesianPosition";
     in { inPosition: Pose }
     param { Robot: Text = Str("") }

@@ -1,4 +1,4 @@
-//! Sliding means. Until the window is full the mean of what there is; cycles without a value are passed over.
+//! Moving averages. Before the window is full, the mean of the values so far. Cycles without a value are skipped.
 
 use crate::bulk::Region;
 use crate::cx::Cx;
@@ -11,7 +11,8 @@ use rpi_image::SizeArgs;
 pub(super) const ALL: &[Prim] = &[DOUBLE, VECTOR];
 
 primitive! {
-    /// Mean of the last `Duration` seconds, rounded up to whole cycles.
+    /// Mean of the last `Duration` seconds, rounded up to whole cycles. Before that, the mean of the values so far.
+    /// Cycles without a value are skipped. `inReset` restarts the window with the current value.
     DOUBLE = "Core::DoubleAverage";
     in { inValue: f64; inReset: bool = Reset(Bool(false)) }
     param { Duration: f64 = Real(1.0) }
@@ -25,7 +26,8 @@ primitive! {
 }
 
 primitive! {
-    /// Mean of the last `Duration` seconds, rounded up to whole cycles, component by component.
+    /// Mean of the last `Duration` seconds, rounded up to whole cycles, for each component. Before that, the mean of
+    /// the values so far. Cycles without a value are skipped. `inReset` restarts the window with the current value.
     VECTOR = "World::VectorAverage";
     in { inValue: Vector; inReset: bool = Reset(Bool(false)) }
     param { Duration: f64 = Real(1.0) }
@@ -42,7 +44,7 @@ fn cells<T: Summand>(args: &SizeArgs<'_>) -> u32 {
     Window::<T>::cells(args.cycles(0))
 }
 
-/// Adds a value: the sum of the window and how many values are in it.
+/// Adds a value to the window. Returns the sum of the window and the number of values in it.
 fn sum<T: Summand>(cx: &mut Cx<'_>, history: Region, value: T, reset: bool) -> (T, f64) {
     let window = Window::<T>::of(history);
     if reset {

@@ -1,4 +1,4 @@
-//! Mobile platforms, wheels, satellite navigation.
+//! Mobile platforms, wheels and satellite navigation.
 
 use super::devices::{actuator, sensor};
 use crate::flow::{Pose, Twist};
@@ -15,7 +15,8 @@ pub(super) const ALL: &[Prim] = &[
 ];
 
 interface! {
-    /// Pose of a platform in the world, its velocity as measured and as commanded, and its error code (0 if it is well).
+    /// Pose of a platform in the world frame and its velocity (m/s, rad/s) as measured and as commanded. `outError` is
+    /// the error code of the platform, 0 if there is no error.
     BASE_MONITOR = "RobotBase::BaseMonitor";
     in {}
     param { Robot: Text = Str("") }
@@ -27,7 +28,8 @@ interface! {
 }
 
 interface! {
-    /// Set-point for a platform: its velocity. The out-ports tell what the device says to it; nothing without a set-point.
+    /// Sets the velocity of a platform (m/s, rad/s). The out-ports are the response of the device in this cycle; they
+    /// are absent if there is no set-point.
     BASE_VELOCITY = "RobotBase::BaseVelocity";
     in { inVel: Twist }
     param { Robot: Text = Str("") }
@@ -57,8 +59,8 @@ interface! {
 }
 
 interface! {
-    /// Satellite navigation: place (deg, m), dilutions of precision and number of satellites in use. `outAlitutde` is
-    /// spelled as in the reference system.
+    /// Satellite navigation: position (deg, altitude in m), dilutions of precision and number of satellites in use. The
+    /// spelling of `outAlitutde` is that of the reference system.
     SATELLITE_MONITOR = "GNSS::SatelliteMonitor";
     in {}
     param { Device: Text = Str("") }

@@ -1,4 +1,4 @@
-//! Controllers that bring a mobile platform to a pose in the plane.
+//! Controllers that move a mobile platform to a pose in the plane.
 
 use super::twist::twist;
 use crate::flow::{Pose, Twist, Vector};
@@ -9,14 +9,17 @@ use core::f64::consts::{FRAC_PI_2, PI};
 
 pub(super) const ALL: &[Prim] = &[OMNIDIRECTIONAL, DIFFERENTIAL];
 
-/// Distance (m) and angle (rad) within which a goal counts as reached.
+/// Distance (m) and angle (rad) within which a goal counts as reached. Also the velocity (m/s, rad/s) that counts as
+/// rest.
 const NEAR: f64 = 1e-3;
-/// Angle (rad) within which a platform heads for its goal.
+/// Angle between heading and goal (rad) below which a differential drive moves straight.
 const AHEAD: f64 = 0.1;
 
 primitive! {
-    /// Velocity, in its own coordinates, that brings a platform free to move in the plane to a pose: in proportion (`p...`, 1/s)
-    /// to what is left in each direction, within bounds (`vel...`, m/s and rad/s). Completed when it is there and at rest.
+    /// Velocity, in platform coordinates, that moves an omnidirectional platform to the pose `inDest`. Each component
+    /// is proportional to the remaining error, with the gains `pX`, `pY`, `pYaw` (1/s), and bounded by `velX`, `velY`
+    /// (m/s) and `velYaw` (rad/s). `outCompleted` is true if the platform has reached the goal to 1 mm and 1 mrad and
+    /// is at rest.
     OMNIDIRECTIONAL = "RobotBase::OmnidirectionalBaseController";
     in { inPos: Pose; inVel: Twist; inDest: Pose }
     param {
@@ -40,10 +43,10 @@ primitive! {
 }
 
 primitive! {
-    /// Velocity, in its own coordinates, that brings a platform with two driven wheels to a pose: it turns on the spot towards
-    /// the goal or away from it, whichever is nearer (`PYaw`, 1/s), drives there with its front or its rear first, slow
-    /// enough to stop with a deceleration of `PX` (m/s²), and turns into the goal's orientation. Within `VelX` (m/s) and
-    /// `VelYaw` (rad/s). `inTwist` is not needed.
+    /// Velocity, in platform coordinates, that moves a differential drive platform to the pose `inGoal`. The platform
+    /// turns on the spot until its front or its rear, whichever is nearer, points to the goal (gain `PYaw`, 1/s). It
+    /// drives forwards or backwards to the goal, slow enough to stop with a deceleration of `PX` (m/s²), and turns to
+    /// the goal orientation. Bounds are `VelX` (m/s) and `VelYaw` (rad/s). `inTwist` is not used.
     DIFFERENTIAL = "RobotBase::DifferentialDriveController";
     in { inPosition: Pose; inTwist: Twist = absent; inGoal: Pose }
     param { VelX: f64 = Real(0.5); VelYaw: f64 = Real(1.0); PX: f64 = Real(3.0); PYaw: f64 = Real(3.0) }
@@ -55,7 +58,8 @@ primitive! {
     }
 }
 
-/// What is left in the plane: distance, bearing in the platform's coordinates, difference of orientation.
+/// Returns the remaining error in the plane: distance (m), bearing in platform coordinates (rad) and difference of
+/// orientation (rad).
 fn planar_way(position: Pose, goal: Pose) -> (f64, f64, f64) {
     let (heading, wanted) = (
         geometry::to_abc(position.rotation).0,
@@ -91,7 +95,7 @@ fn differential(
     planar(if backwards { -speed } else { speed }, 0.0, 0.0)
 }
 
-/// The same angle from -π to π.
+/// Returns the angle normalised to -π to π.
 fn wrapped(angle: f64) -> f64 {
     libm::atan2(libm::sin(angle), libm::cos(angle))
 }

@@ -1,4 +1,4 @@
-//! Numbers as rows of Booleans, as field buses carry them. Element 0 is the lowest bit.
+//! Conversion between numbers and arrays of bits, as used by field buses. Element 0 is the least significant bit.
 
 use crate::bulk::Array;
 use crate::cx::{Cx, FaultCode};
@@ -9,8 +9,8 @@ use rpi_image::Shape;
 pub(super) const ALL: &[Prim] = &[BIN_TO_DEC, DEC_TO_BIN, BCD_TO_DEC, DEC_TO_BCD];
 
 primitive! {
-    /// The number whose `amountBits` binary digits are the first elements; with `signBit` in two's complement. At most 63 bits
-    /// count.
+    /// Number from its binary digits, the first `amountBits` elements (at most 63); element 0 is the least significant
+    /// bit. With `signBit`, the digits are in two's complement.
     BIN_TO_DEC = "Core::BinToDec";
     in { inArray: Array<bool> }
     param { amountBits: i64 = Int(8); signBit: bool = Bool(false) }
@@ -25,8 +25,8 @@ primitive! {
 }
 
 primitive! {
-    /// The `amountBits` lowest binary digits of a number; with `signBit` in two's complement. The overflow bit is true if it
-    /// needs more.
+    /// The `amountBits` least significant binary digits of a number; element 0 is the least significant bit. With
+    /// `signBit`, the digits are in two's complement. `overflowBit` is true if the number does not fit.
     DEC_TO_BIN = "Core::DecToBin";
     in { inValue: i64 }
     param { amountBits: i64 = Int(8); signBit: bool = Bool(false) }
@@ -44,8 +44,8 @@ primitive! {
 }
 
 primitive! {
-    /// The number whose binary coded decimal digits, four bits each, are the first `amountBits` elements; with `signBit` the
-    /// last of these is its sign. A digit above 9 is a fault.
+    /// Number from its binary coded decimal digits (BCD), four bits each, in the first `amountBits` elements (at most
+    /// 63). With `signBit`, the last of these elements is the sign (true: negative). A digit above 9 is a fault.
     BCD_TO_DEC = "Core::BCDToDec";
     in { inArray: Array<bool> }
     param { amountBits: i64 = Int(16); signBit: bool = Bool(true) }
@@ -61,8 +61,8 @@ primitive! {
 }
 
 primitive! {
-    /// A number as binary coded decimal digits, four bits each, in `amountBits` elements; with `signBit` the last of these is
-    /// its sign. The overflow bit is true if it does not fit.
+    /// Number as binary coded decimal digits (BCD), four bits each, in `amountBits` elements. With `signBit`, the last
+    /// element is the sign (true: negative). `overflowBit` is true if the number does not fit.
     DEC_TO_BCD = "Core::DecToBCD";
     in { inValue: i64 }
     param { amountBits: i64 = Int(16); signBit: bool = Bool(true) }
@@ -77,6 +77,7 @@ primitive! {
                 array.set(cx.cells, k as i64, ((rest % 10) >> (k - first)) & 1 == 1);
             }
             let room = 1 << (digits - first).min(4);
+            // A digit that does not fit leaves a rest above 0, which sets the overflow bit.
             rest = if rest % 10 < room { rest / 10 } else { u64::MAX };
         }
         array.set(cx.cells, digits as i64, value < 0);
@@ -84,7 +85,7 @@ primitive! {
     }
 }
 
-/// How many elements carry the number.
+/// Returns the number of elements that hold the number.
 fn width(array: Array<bool>, bits: i64) -> usize {
     usize::try_from(bits).unwrap_or(0).min(array.len()).min(63)
 }

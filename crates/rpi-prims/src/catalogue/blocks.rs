@@ -1,4 +1,4 @@
-//! Parts of matrices: blocks, rows of a block as an array, selected rows and columns.
+//! Parts of matrices: blocks, elements of a block as an array, and selected rows and columns.
 
 use super::matrix::index;
 use crate::bulk::{Array, Matrix};
@@ -9,7 +9,8 @@ use rpi_image::{Scalar, Shape, ShapeArgs, Type};
 pub(super) const ALL: &[Prim] = &[BLOCK_GET, BLOCK_SET, ARRAY_GET, ARRAY_SET, SELECT];
 
 primitive! {
-    /// The block of `BlockHeight` rows and `BlockWidth` columns that starts at `StartRow`, `StartCol`.
+    /// Block of `BlockHeight` rows and `BlockWidth` columns that starts at row `StartRow` and column `StartCol`,
+    /// counted from 0.
     BLOCK_GET = "Core::MatrixBlockGet";
     in { inMatrix: Matrix }
     param { StartRow: i64 = Int(0); StartCol: i64 = Int(0); BlockWidth: i64 = Int(1); BlockHeight: i64 = Int(1) }
@@ -23,8 +24,8 @@ primitive! {
 }
 
 primitive! {
-    /// The matrix with the block that starts at `StartRow`, `StartCol` replaced by `inBlock`. The other parameters are not
-    /// needed here.
+    /// Matrix with the block at row `StartRow` and column `StartCol`, counted from 0, replaced by `inBlock`. The other
+    /// parameters are not used.
     BLOCK_SET = "Core::MatrixBlockSet";
     in { inMatrix: Matrix; inBlock: Matrix }
     param {
@@ -49,7 +50,8 @@ primitive! {
 }
 
 primitive! {
-    /// `Size` elements of the block that starts at `StartRow`, `StartCol` and is `BlockWidth` wide, row by row.
+    /// Array of the first `Size` elements, row by row, of the block that starts at row `StartRow` and column
+    /// `StartCol`, counted from 0, and is `BlockWidth` columns wide.
     ARRAY_GET = "Core::MatrixArrayGet";
     in { inMatrix: Matrix }
     param { StartRow: i64 = Int(0); StartCol: i64 = Int(0); BlockWidth: i64 = Int(1); Size: i64 = Int(1) }
@@ -66,8 +68,8 @@ primitive! {
 }
 
 primitive! {
-    /// The matrix with the elements of the block that starts at `StartRow`, `StartCol` and is `BlockWidth` wide replaced, row
-    /// by row, by those of the array. `Rows` and `Cols` are not needed here.
+    /// Matrix with elements replaced by those of `inArray`, row by row, in the block that starts at row `StartRow` and
+    /// column `StartCol`, counted from 0, and is `BlockWidth` columns wide. `Rows` and `Cols` are not used.
     ARRAY_SET = "Core::MatrixArraySet";
     in { inMatrix: Matrix; inArray: Array<f64> = Array(Neutral) }
     param {
@@ -91,8 +93,8 @@ primitive! {
 }
 
 primitive! {
-    /// The rows and columns of the given indices, in their order; all where none are given. `RowDimension` and
-    /// `ColumnDimension` are not needed here.
+    /// Rows and columns with the given indices, counted from 0, in the given order. An empty list selects all.
+    /// `RowDimension` and `ColumnDimension` are not used.
     SELECT = "Core::MatrixSelect";
     in { inMatrix: Matrix }
     param {
@@ -109,7 +111,7 @@ primitive! {
     }
 }
 
-/// The index in a list of indices; the position itself where the list is empty.
+/// Returns the `k`-th index of a list; `k` itself if the list is empty.
 fn nth(cells: &[u64], list: Array<i64>, k: usize) -> usize {
     if list.is_empty() {
         k
@@ -118,13 +120,13 @@ fn nth(cells: &[u64], list: Array<i64>, k: usize) -> usize {
     }
 }
 
-/// Place of the `k`-th element of a block, row by row.
+/// Returns row and column of the `k`-th element of a block, row by row.
 fn place(k: usize, start_row: i64, start_col: i64, width: i64) -> (usize, usize) {
     let width = index(width.max(1));
     (index(start_row) + k / width, index(start_col) + k % width)
 }
 
-/// True if a block lies inside of matrix input 0.
+/// Returns whether a block lies inside matrix input 0.
 fn inside(
     args: &ShapeArgs<'_>,
     row: Option<u32>,
@@ -172,7 +174,7 @@ fn selection(args: &ShapeArgs<'_>) -> Option<Type> {
     ))
 }
 
-/// How many of `size` rows or columns the parameter selects; `None` if an index lies outside.
+/// Returns the number of rows or columns (out of `size`) that a parameter selects; `None` if an index is out of range.
 fn selected(args: &ShapeArgs<'_>, param: usize, size: u32) -> Option<u32> {
     let list = args.params.get(param)?.cells();
     let fits = list.iter().all(|&i| i < u64::from(size));

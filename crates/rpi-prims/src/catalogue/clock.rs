@@ -1,4 +1,4 @@
-//! Clocks, and the flows that the core gives to a command.
+//! Clocks, and flows that the core provides to a command.
 
 use crate::cx::FaultCode;
 use crate::macros::{interface, primitive};
@@ -8,8 +8,8 @@ use rpi_image::{CommandFlow, Role};
 pub(super) const ALL: &[Prim] = &[CLOCK, CYCLE_TIME, CANCEL, TAKEOVER, ESTOP];
 
 primitive! {
-    /// Seconds since start, scaled: adds `Increment` times the period in each cycle, so the first output is one step, not 0.
-    /// A reset starts again from 0 before adding. Stands still while the increment is absent.
+    /// Scaled time since the start, in s. Adds `inIncrement` times the period in each cycle, so the first output is one
+    /// step, not 0. `inReset` sets the time to 0 before the addition. The time stops while an input is absent.
     CLOCK = "Core::Clock";
     in { inReset: bool = Reset(Bool(false)); inIncrement: f64 = Increment(Real(1.0)) }
     out { outValue: f64 }
@@ -22,7 +22,7 @@ primitive! {
 }
 
 interface! {
-    /// Period of the command in seconds.
+    /// Period of the command, in s.
     CYCLE_TIME = "Core::CycleTime";
     in {}
     out { outValue: f64 }
@@ -31,7 +31,7 @@ interface! {
 }
 
 interface! {
-    /// True from the first cycle after a cancel request on.
+    /// True from the first cycle after a cancel request.
     CANCEL = "Cancel";
     in {}
     out { outCancel: bool }
@@ -40,7 +40,7 @@ interface! {
 }
 
 interface! {
-    /// True in cycles in which a successor is scheduled that covers every actuator which may be moving.
+    /// True in each cycle in which a successor is scheduled that covers every resource that may be moving.
     TAKEOVER = "Takeover";
     in {}
     out { outTakeover: bool }
@@ -49,7 +49,7 @@ interface! {
 }
 
 primitive! {
-    /// Emergency stop: while the input is true the cycle faults, which ends the command with a safe stop of its devices.
+    /// Emergency stop. If the input is true, the cycle faults: the command ends with a safe stop of its devices.
     ESTOP = "EStop";
     in { inEStop: bool }
     out {}

@@ -1,4 +1,4 @@
-//! Means of rotations and curves over them.
+//! Means and curves of rotations.
 
 use crate::flow::{Rotation, Vector};
 use crate::geometry;
@@ -11,8 +11,10 @@ use rpi_image::SizeArgs;
 pub(super) const ALL: &[Prim] = &[AVERAGE, BEZIER];
 
 primitive! {
-    /// Mean rotation of the last `Duration` seconds, rounded up to whole cycles; until then of what there is. The normalised
-    /// sum of the quaternions, which is the mean where they lie close together (Gramkow, On averaging rotations, 2001).
+    /// Mean rotation of the last `Duration` seconds, rounded up to whole cycles; before that, the mean of the rotations
+    /// so far. `inReset` restarts the window with the current rotation. The mean is the normalised sum of the
+    /// quaternions, which approximates the mean of rotations that are close to each other (Gramkow, On averaging
+    /// rotations, 2001).
     AVERAGE = "World::RotationAverage";
     in { inValue: Rotation; inReset: bool = Reset(Bool(false)) }
     param { Duration: f64 = Real(1.0) }
@@ -25,6 +27,7 @@ primitive! {
             window.clear(cx.cells);
         }
         let last = window.newest(cx.cells);
+        // The quaternions q and -q are one rotation; opposite signs in the sum would cancel.
         let value = if value.coords.dot(&last.coords) < 0.0 { -value.into_inner() } else { value.into_inner() };
         let sum = window.push(cx.cells, value);
         (geometry::from_quaternion(sum.i, sum.j, sum.k, sum.w),)
@@ -32,9 +35,10 @@ primitive! {
 }
 
 primitive! {
-    /// Cubic curve of rotations over 0 to 1: `inFrom` and `inTo` at its ends with the angular velocities (rad per unit, in
-    /// coordinates of the turned frame) `inFromVel` and `inToVel`. De Casteljau's construction on great arcs (Shoemake,
-    /// Animating rotation with quaternion curves, 1985).
+    /// Cubic Bézier curve of rotations over the parameter `inValue` from 0 to 1, from `inFrom` to `inTo`. `inFromVel`
+    /// and `inToVel` are the angular velocities at the ends, in rad per unit of the parameter and in coordinates of the
+    /// rotated frame. Uses the construction of De Casteljau on great arcs (Shoemake, Animating rotation with quaternion
+    /// curves, 1985).
     BEZIER = "World::RotationBezier";
     in { inValue: f64; inFrom: Rotation; inFromVel: Vector; inToVel: Vector; inTo: Rotation }
     out { outValue: Rotation }
@@ -50,7 +54,7 @@ fn window(args: &SizeArgs<'_>) -> u32 {
     Window::<Quaternion<f64>>::cells(args.cycles(0))
 }
 
-/// De Casteljau's construction.
+/// Evaluates a Bézier curve of rotations by the construction of De Casteljau.
 fn bezier(mut points: [Rotation; 4], t: f64) -> Rotation {
     for count in (1..points.len()).rev() {
         for k in 0..count {

@@ -1,4 +1,4 @@
-//! Edges, latches and windows over the recent past of a Boolean.
+//! Edges, latches, and windows over the recent values of a Boolean.
 
 use crate::bulk::Region;
 use crate::cx::Cx;
@@ -10,8 +10,8 @@ use rpi_image::{SizeArgs, Value};
 pub(super) const ALL: &[Prim] = &[EDGE_DETECTION, TRIGGER, LAST_N, HISTORY];
 
 primitive! {
-    /// True exactly in cycles in which the value is `Direction` while it was not in the last cycle with a value. The first
-    /// value counts as a change. Cycles without a value are passed over.
+    /// Edge detection: true in each cycle in which the value is `Direction` and was not in the last cycle with a value.
+    /// The first value counts as an edge if it is `Direction`. Cycles without a value are skipped.
     EDGE_DETECTION = "Core::EdgeDetection";
     in { inValue: bool }
     param { Direction: bool = Bool(true) }
@@ -26,8 +26,8 @@ primitive! {
 }
 
 primitive! {
-    /// One-shot latch: on from the first `inOn`, off for good from the first `inOff` (which wins in one cycle) until a
-    /// reset arms it again. An absent input counts as false.
+    /// One-shot latch: turns on with the first true `inOn` and off with the first true `inOff`, which has priority in
+    /// the same cycle. It stays off until `inReset` rearms it. An absent input counts as false.
     TRIGGER = "Core::Trigger";
     in { inOn: bool = On(Bool(false)); inOff: bool = Off(Bool(false)); inReset: bool = Reset(Bool(false)) }
     out { outActive: bool }
@@ -45,8 +45,9 @@ primitive! {
 }
 
 primitive! {
-    /// The last `Count` values: whether none and whether all of them were true, and how many. What was before the first
-    /// value counts as false. Cycles without a value are passed over.
+    /// Statistics of the last `Count` values: whether none is true, whether all are true, and the number of true
+    /// values. Before the first value, all values count as false. Cycles without a value are skipped. `inReset` clears
+    /// the window.
     LAST_N = "Core::BooleanLastN";
     in { inValue: bool; inReset: bool = Reset(Bool(false)) }
     param { Count: i64 = Int(1) }
@@ -60,9 +61,9 @@ primitive! {
 }
 
 primitive! {
-    /// The values of the last `Duration` seconds, rounded up to whole cycles: whether none and whether all of them were
-    /// true, and which share (0 to 1). What was before the first value counts as false. Cycles without a value are passed
-    /// over.
+    /// Statistics of the values of the last `Duration` seconds, rounded up to whole cycles: whether none is true,
+    /// whether all are true, and the fraction of true values (0 to 1). Before the first value, all values count as
+    /// false. Cycles without a value are skipped. `inReset` clears the window.
     HISTORY = "Core::BooleanHistory";
     in { inValue: bool; inReset: bool = Reset(Bool(false)) }
     param { Duration: f64 = Real(1.0) }
@@ -84,7 +85,7 @@ fn last_seconds(args: &SizeArgs<'_>) -> u32 {
     Window::<i64>::cells(args.cycles(0))
 }
 
-/// Adds a value to the history: how many are true now, of how many.
+/// Adds a value to the window. Returns the number of true values and the length of the window.
 fn trues(cx: &mut Cx<'_>, history: Region, value: bool, reset: bool) -> (i64, i64) {
     let window = Window::<i64>::of(history);
     if reset {

@@ -18,7 +18,7 @@ pub(super) const ALL: &[Prim] = &[
 ];
 
 primitive! {
-    /// A pose from position and orientation.
+    /// Pose from position (m) and orientation.
     FROM_POS_ROT = "World::FrameFromPosRot";
     in { inPos: Vector = [super::spatial::XYZ]; inRot: Rotation = [super::spatial::ABC] }
     out { outValue: Pose }
@@ -27,7 +27,7 @@ primitive! {
 }
 
 primitive! {
-    /// A pose from the components of its position and its orientation.
+    /// Pose from the components of its position (m) and its orientation.
     FROM_XYZ = "World::FrameFromXYZ";
     in {
         inX: f64 = X(Real(0.0));
@@ -41,7 +41,7 @@ primitive! {
 }
 
 primitive! {
-    /// Position and orientation of a pose.
+    /// Position (m) and orientation of a pose.
     TO_POS_ROT = "World::FrameToPosRot";
     in { inValue: Pose }
     out { outPosition: Vector; outRotation: Rotation }
@@ -50,7 +50,7 @@ primitive! {
 }
 
 primitive! {
-    /// Components of the position and orientation of a pose.
+    /// Components of the position (m) and orientation of a pose.
     TO_XYZ = "World::FrameToXYZ";
     in { inValue: Pose }
     out { outX: f64; outY: f64; outZ: f64; outRot: Rotation }
@@ -59,7 +59,7 @@ primitive! {
 }
 
 primitive! {
-    /// The pose of the other frame in the one.
+    /// Inverse pose: pose of A in B from the pose of B in A.
     INVERT = "World::FrameInvert";
     in { inValue: Pose }
     out { outValue: Pose }
@@ -68,7 +68,7 @@ primitive! {
 }
 
 primitive! {
-    /// Pose of C in A from that of B in A and of C in B.
+    /// Composition of poses: pose of C in A from the pose of B in A (`inFirst`) and the pose of C in B (`inSecond`).
     TRANSFORM = "World::FrameTransform";
     in { inFirst: Pose; inSecond: Pose }
     out { outValue: Pose }
@@ -77,7 +77,8 @@ primitive! {
 }
 
 primitive! {
-    /// Pose on the way from one (amount 0) to another (amount 1): position on the line, orientation on the shortest arc.
+    /// Interpolation between two poses, `inFrom` for amount 0 and `inTo` for amount 1: linear in the position, along
+    /// the shortest arc in the orientation.
     LERP = "World::FrameLerp";
     in { inFrom: Pose; inTo: Pose; inAmount: f64 }
     out { outValue: Pose }
@@ -86,7 +87,8 @@ primitive! {
 }
 
 primitive! {
-    /// The pose after one period of a constant velocity, both in base coordinates.
+    /// Pose after one period of motion with the constant velocity `inTwist`. Pose and velocity are in coordinates of
+    /// the base frame.
     ADD_TWIST = "World::FrameAddTwist";
     in { inFrame: Pose; inTwist: Twist }
     out { outValue: Pose }
@@ -94,12 +96,12 @@ primitive! {
     full |cx, _, _, _, (frame, twist)| (moved(frame, twist, cx.clock.dt),)
 }
 
-/// A pose from its parts.
+/// Creates a pose from position and orientation.
 pub(super) fn pose(position: Vector, rotation: Rotation) -> Pose {
     Pose::from_parts(Translation3::from(position), rotation)
 }
 
-/// Position on the line, orientation on the shortest arc.
+/// Interpolates between two poses: linear in the position, along the shortest arc in the orientation.
 pub(super) fn between(from: Pose, to: Pose, amount: f64) -> Pose {
     let (p, q) = (from.translation.vector, to.translation.vector);
     pose(
@@ -108,7 +110,7 @@ pub(super) fn between(from: Pose, to: Pose, amount: f64) -> Pose {
     )
 }
 
-/// The pose after `dt` seconds of a velocity in base coordinates.
+/// Returns the pose after `dt` seconds of motion with a constant velocity in base coordinates.
 pub(crate) fn moved(frame: Pose, twist: Twist, dt: f64) -> Pose {
     let position = frame.translation.vector + twist.linear * dt;
     pose(position, geometry::exp(twist.angular * dt) * frame.rotation)

@@ -1,4 +1,4 @@
-//! Online trajectory generation for poses: position and orientation on one straight way, arriving together.
+//! Online trajectory generation for poses: position and orientation move on one straight path and arrive together.
 
 use super::twist::twist;
 use crate::flow::{Pose, Rotation, Twist, Vector};
@@ -9,10 +9,11 @@ use crate::registry::Prim;
 pub(super) const ALL: &[Prim] = &[FRAME_OTG];
 
 primitive! {
-    /// One step of a motion from the current pose and velocity towards a pose that itself moves with a velocity (absent: at
-    /// rest), all in base coordinates, with bounded velocities and accelerations (m/s, m/s², rad/s, rad/s²). It heads for
-    /// where the goal will be when it could be reached, at a velocity from which four fifths of the acceleration suffice to
-    /// stop there, and changes the velocity towards that one as fast as the bounds allow.
+    /// Online trajectory generation: one step from the current pose and velocity towards a goal pose with bounded
+    /// velocities and accelerations (m/s, m/s², rad/s, rad/s²). The goal may move with the velocity `inDestVel`
+    /// (absent: at rest). All values are in coordinates of the base frame. The step aims at the predicted position of
+    /// the goal when it can be reached. The desired velocity allows stopping there with 80 % of the acceleration; the
+    /// actual velocity changes towards it as fast as the bounds allow.
     FRAME_OTG = "World::FrameOTG";
     in {
         inCurPos: Pose;
@@ -38,17 +39,18 @@ primitive! {
     }
 }
 
-/// Largest velocity and acceleration, linear and angular.
+/// Maximum velocity and acceleration, each as (linear, angular).
 #[derive(Clone, Copy)]
 pub(crate) struct Limits {
     pub(crate) velocity: (f64, f64),
     pub(crate) acceleration: (f64, f64),
 }
 
-/// Share of the acceleration that is planned for stopping.
+/// Fraction of the acceleration used for planning the stop. The margin avoids overshoot in discrete time.
 const BRAKING: f64 = 0.8;
 
-/// The velocity of the next period. `log` gives the way of a rotation.
+/// Returns the velocity of the next period. `log` computes the rotation vector of a rotation (replaceable for
+/// [`crate::differences`]).
 pub(crate) fn step(
     from: Pose,
     velocity: Twist,
@@ -70,7 +72,7 @@ pub(crate) fn step(
     sum(velocity, change, share)
 }
 
-/// How much of a way to cover per second.
+/// Returns the fraction of a path to cover per second.
 fn pace(way: Twist, limits: Limits, dt: f64) -> f64 {
     let (linear, angular) = sizes(way);
     let stop = |length: f64, acceleration: f64| libm::sqrt(2.0 * BRAKING * acceleration * length);
@@ -82,12 +84,12 @@ fn pace(way: Twist, limits: Limits, dt: f64) -> f64 {
     per_period / dt
 }
 
-/// Largest share of a size, up to all of it, that keeps a bound.
+/// Returns the largest factor, at most 1, that scales a size within a bound.
 fn share(size: f64, bound: f64) -> f64 {
     if size > bound { bound / size } else { 1.0 }
 }
 
-/// Time for a way; none where there is no speed.
+/// Returns the time for a path; 0 if there is no speed.
 fn quotient(way: f64, speed: f64) -> f64 {
     if speed > 0.0 { way / speed } else { 0.0 }
 }

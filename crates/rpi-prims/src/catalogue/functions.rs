@@ -1,4 +1,4 @@
-//! Functions of reals. All by the same software implementation on every machine, so that results are equal to the bit.
+//! Functions of reals. All use the same software implementation on every machine, so that results are bit-identical.
 
 use crate::macros::primitive;
 use crate::registry::Prim;
@@ -33,7 +33,7 @@ primitive! {
 }
 
 primitive! {
-    /// Arc sine in rad, -π/2 to π/2; not a number outside -1 to 1.
+    /// Arc sine in rad, -π/2 to π/2. Not a number for a value outside -1 to 1.
     ASIN = "Core::DoubleAsin";
     in { inValue: f64 = Value(Real(1.0)) }
     out { outValue: f64 }
@@ -42,7 +42,7 @@ primitive! {
 }
 
 primitive! {
-    /// Arc cosine in rad, 0 to π; not a number outside -1 to 1.
+    /// Arc cosine in rad, 0 to π. Not a number for a value outside -1 to 1.
     ACOS = "Core::DoubleAcos";
     in { inValue: f64 = Value(Real(1.0)) }
     out { outValue: f64 }
@@ -60,7 +60,7 @@ primitive! {
 }
 
 primitive! {
-    /// First operand to the power of the second (C `pow`).
+    /// `inFirst` to the power of `inSecond` (C `pow`).
     POWER = "Core::DoublePower";
     in { inFirst: f64 = First(Real(0.0)); inSecond: f64 = Second(Real(0.0)) }
     out { outValue: f64 }
@@ -69,7 +69,7 @@ primitive! {
 }
 
 primitive! {
-    /// Square root; not a number below 0.
+    /// Square root. Not a number for a negative value.
     SQUARE_ROOT = "Core::DoubleSquareRoot";
     in { inValue: f64 = Value(Real(1.0)) }
     out { outValue: f64 }
@@ -78,7 +78,7 @@ primitive! {
 }
 
 primitive! {
-    /// Natural logarithm; minus infinity at 0, not a number below.
+    /// Natural logarithm. Minus infinity for 0, not a number for a negative value.
     LOG = "Core::DoubleLog";
     in { inValue: f64 = Value(Real(0.0)) }
     out { outValue: f64 }

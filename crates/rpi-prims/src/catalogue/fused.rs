@@ -1,5 +1,6 @@
-//! Two primitives in one, as the lowering makes them where one feeds only the other: one dispatch, one value less to
-//! store. Each rounds as its two parts do, so that not a bit differs.
+//! Fused primitives. The lowering creates them from two primitives if the result of the first is used only by the
+//! second. This saves one dispatch and one store. Each operation rounds separately, so results are bit-identical to the
+//! unfused form (no fused multiply-add).
 
 use crate::macros::primitive;
 use crate::registry::Prim;
@@ -15,7 +16,7 @@ pub(super) const ALL: &[Prim] = &[
 ];
 
 primitive! {
-    /// First times second, rounded, plus third. Made by the compiler.
+    /// `inFirst * inSecond + inThird`, with the product rounded. Created by the compiler.
     PRODUCT_PLUS = "Rpi::FusedProductPlus";
     in { inFirst: f64; inSecond: f64; inThird: f64 }
     out { outValue: f64 }
@@ -24,7 +25,7 @@ primitive! {
 }
 
 primitive! {
-    /// First plus the rounded product of second and third. Made by the compiler.
+    /// `inFirst + inSecond * inThird`, with the product rounded. Created by the compiler.
     PLUS_PRODUCT = "Rpi::FusedPlusProduct";
     in { inFirst: f64; inSecond: f64; inThird: f64 }
     out { outValue: f64 }
@@ -33,7 +34,7 @@ primitive! {
 }
 
 primitive! {
-    /// First times second, rounded, minus third. Made by the compiler.
+    /// `inFirst * inSecond - inThird`, with the product rounded. Created by the compiler.
     PRODUCT_MINUS = "Rpi::FusedProductMinus";
     in { inFirst: f64; inSecond: f64; inThird: f64 }
     out { outValue: f64 }
@@ -42,7 +43,7 @@ primitive! {
 }
 
 primitive! {
-    /// First minus the rounded product of second and third. Made by the compiler.
+    /// `inFirst - inSecond * inThird`, with the product rounded. Created by the compiler.
     MINUS_PRODUCT = "Rpi::FusedMinusProduct";
     in { inFirst: f64; inSecond: f64; inThird: f64 }
     out { outValue: f64 }
@@ -51,7 +52,7 @@ primitive! {
 }
 
 primitive! {
-    /// The rounded sum of first and second, times third. Made by the compiler.
+    /// `(inFirst + inSecond) * inThird`, with the sum rounded. Created by the compiler.
     SUM_TIMES = "Rpi::FusedSumTimes";
     in { inFirst: f64; inSecond: f64; inThird: f64 }
     out { outValue: f64 }
@@ -60,7 +61,7 @@ primitive! {
 }
 
 primitive! {
-    /// First times the rounded sum of second and third. Made by the compiler.
+    /// `inFirst * (inSecond + inThird)`, with the sum rounded. Created by the compiler.
     TIMES_SUM = "Rpi::FusedTimesSum";
     in { inFirst: f64; inSecond: f64; inThird: f64 }
     out { outValue: f64 }
@@ -69,7 +70,7 @@ primitive! {
 }
 
 primitive! {
-    /// Third if first is greater than second, else fourth. Made by the compiler.
+    /// `inThird` if `inFirst` is greater than `inSecond`, else `inFourth`. Created by the compiler.
     GREATER_CHOICE = "Rpi::FusedGreaterChoice";
     in { inFirst: f64; inSecond: f64; inThird: f64; inFourth: f64 }
     out { outValue: f64 }

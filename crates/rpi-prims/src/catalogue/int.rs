@@ -1,4 +1,4 @@
-//! Arithmetic and comparison of 64-bit integers. A result that does not fit is a fault, never a wrapped value.
+//! Arithmetic and comparison of 64-bit integers. Overflow is a fault; results never wrap.
 
 use crate::cx::{Cx, FaultCode};
 use crate::macros::primitive;
@@ -15,7 +15,7 @@ pub(super) const ALL: &[Prim] = &[
 ];
 
 primitive! {
-    /// Sum of two integers.
+    /// Sum of two integers. Overflow is a fault.
     ADD = "Core::IntAdd";
     in { inFirst: i64 = First(Int(0)); inSecond: i64 = Second(Int(0)) }
     out { outValue: i64 }
@@ -24,7 +24,7 @@ primitive! {
 }
 
 primitive! {
-    /// Product of two integers.
+    /// Product of two integers. Overflow is a fault.
     MULTIPLY = "Core::IntMultiply";
     in { inFirst: i64 = First(Int(0)); inSecond: i64 = Second(Int(0)) }
     out { outValue: i64 }
@@ -33,7 +33,7 @@ primitive! {
 }
 
 primitive! {
-    /// Quotient of two integers, truncated towards 0. Division by zero is a fault.
+    /// Quotient of two integers, truncated towards 0. Division by zero and overflow are faults.
     DIVIDE = "Core::IntDivide";
     in { inFirst: i64 = First(Int(0)); inSecond: i64 = Second(Int(0)) }
     out { outValue: i64 }
@@ -42,7 +42,7 @@ primitive! {
 }
 
 primitive! {
-    /// True if the operands differ by at most `Epsilon`.
+    /// True if the operands differ by at most `Epsilon`. False if `Epsilon` is negative.
     EQUALS = "Core::IntEquals";
     in { inFirst: i64 = First(Int(0)); inSecond: i64 = Second(Int(0)) }
     param { Epsilon: i64 = Int(0) }
@@ -61,7 +61,7 @@ primitive! {
 }
 
 primitive! {
-    /// The real nearest to an integer.
+    /// Nearest real to an integer.
     DOUBLE_FROM_INT = "Core::DoubleFromInt";
     in { inValue: i64 = Value(Int(1)) }
     out { outValue: f64 }
@@ -70,7 +70,8 @@ primitive! {
 }
 
 primitive! {
-    /// A real without its fraction: truncated towards 0. Not-a-number, infinities and what does not fit are faults.
+    /// Integer part of a real, truncated towards 0. Not-a-number, infinities and values out of the 64-bit range are
+    /// faults.
     INT_FROM_DOUBLE = "Core::IntFromDouble";
     in { inValue: f64 = Value(Real(1.0)) }
     out { outValue: i64 }
@@ -78,7 +79,7 @@ primitive! {
     full |cx, place, _, _, (a,)| (whole(cx, place, a),)
 }
 
-/// The result, or 0 and a fault if it does not fit.
+/// Returns the result; on overflow, raises a fault and returns 0.
 #[inline(always)]
 pub(super) fn fits(cx: &mut Cx<'_>, place: u32, result: Option<i64>) -> i64 {
     result.unwrap_or_else(|| {
@@ -87,7 +88,7 @@ pub(super) fn fits(cx: &mut Cx<'_>, place: u32, result: Option<i64>) -> i64 {
     })
 }
 
-/// The result of a division, or 0 and a fault that tells whether the divisor is to blame.
+/// Returns the result of a division; if there is none, raises a fault for division by zero or overflow and returns 0.
 #[inline(always)]
 pub(super) fn divided(cx: &mut Cx<'_>, place: u32, divisor: i64, result: Option<i64>) -> i64 {
     result.unwrap_or_else(|| {
@@ -101,9 +102,10 @@ pub(super) fn divided(cx: &mut Cx<'_>, place: u32, divisor: i64, result: Option<
     })
 }
 
-/// The real's integer part, or 0 and a fault if it has none that fits.
+/// Returns the integer part of a real; raises a fault and returns 0 if it is not a 64-bit integer.
 #[inline(always)]
 pub(super) fn whole(cx: &mut Cx<'_>, place: u32, real: f64) -> i64 {
+    // 2^63. As a real it is exact, and all reals below it fit in 64 bits.
     const LIMIT: f64 = 9_223_372_036_854_775_808.0;
     if (-LIMIT..LIMIT).contains(&real) {
         return real as i64;

@@ -1,4 +1,4 @@
-//! Shares of a way, ramps and curves over one real.
+//! Relative position in an interval, ramps and curves of one real.
 
 use crate::macros::primitive;
 use crate::registry::Prim;
@@ -6,8 +6,9 @@ use crate::registry::Prim;
 pub(super) const ALL: &[Prim] = &[INTERVAL, LERP, RAMPIFY, DOUBLE_BEZIER, CUBIC_BEZIER];
 
 primitive! {
-    /// Where a value lies in the interval from `Min` to `Max` (both included): share from 0 to 1 and whether it lies inside;
-    /// 0 below, 1 above. Where both bounds are equal the upper one is taken as `Min` + 1.
+    /// Position of a value in the interval from `inMin` to `inMax`, both included. `outValue` is the relative position
+    /// (0 to 1); it is 0 below the interval and 1 above. `outActive` is true inside the interval. If both bounds are
+    /// equal, the upper bound is `inMin` + 1.
     INTERVAL = "Core::Interval";
     in { inValue: f64; inMin: f64 = Min(Real(0.0)); inMax: f64 = Max(Real(1000.0)) }
     out { outActive: bool; outValue: f64 }
@@ -16,7 +17,7 @@ primitive! {
 }
 
 primitive! {
-    /// Linear interpolation from `From` (amount 0) to `To` (amount 1); beyond them it goes on.
+    /// Linear interpolation from `inFrom` (amount 0) to `inTo` (amount 1). Amounts outside 0 to 1 extrapolate.
     LERP = "Core::Lerp";
     in { inFrom: f64 = From(Real(0.0)); inTo: f64 = To(Real(0.0)); inAmount: f64 }
     out { outValue: f64 }
@@ -25,8 +26,8 @@ primitive! {
 }
 
 primitive! {
-    /// A way from 0 to 1 in unit time with a trapezoid of speed: constant acceleration, constant speed for the share
-    /// `Constant` of the time, constant deceleration. 0 before and 1 after.
+    /// Motion from 0 to 1 in unit time with a trapezoidal speed profile: constant acceleration, constant speed for the
+    /// fraction `Constant` of the time, constant deceleration. 0 before the start and 1 after the end.
     RAMPIFY = "Core::Rampify";
     in { inValue: f64 }
     param { Constant: f64 = Real(0.5) }
@@ -36,7 +37,8 @@ primitive! {
 }
 
 primitive! {
-    /// Cubic curve over 0 to 1 with values `From` and `To` and slopes `FromVel` and `ToVel` at its ends.
+    /// Cubic curve over the parameter `inValue` from 0 to 1 with the values `inFrom` and `inTo` and the slopes
+    /// `inFromVel` and `inToVel` at its ends.
     DOUBLE_BEZIER = "Core::DoubleBezier";
     in {
         inValue: f64;
@@ -51,7 +53,7 @@ primitive! {
 }
 
 primitive! {
-    /// Cubic Bézier curve over 0 to 1 with its four control values.
+    /// Cubic Bézier curve over the parameter `inValue` from 0 to 1 with four control values.
     CUBIC_BEZIER = "Core::CubicBezier";
     in {
         inValue: f64;
@@ -76,7 +78,8 @@ fn share(x: f64, min: f64, max: f64) -> (bool, f64) {
     (true, (x - min) / (max - min))
 }
 
-/// Place after unit time share `time` on a trapezoid whose top lasts for `constant` of the time.
+/// Returns the position at the relative time `time` for a trapezoid with constant speed during the fraction `constant`
+/// of the time.
 fn ramp(time: f64, constant: f64) -> f64 {
     if time <= 0.0 {
         return 0.0;
@@ -95,7 +98,7 @@ fn ramp(time: f64, constant: f64) -> f64 {
     }
 }
 
-/// Cubic Bézier curve in Bernstein form.
+/// Evaluates a cubic Bézier curve in Bernstein form.
 fn bezier(t: f64, p0: f64, p1: f64, p2: f64, p3: f64) -> f64 {
     let s = 1.0 - t;
     s * s * s * p0 + 3.0 * s * s * t * p1 + 3.0 * s * t * t * p2 + t * t * t * p3

@@ -15,7 +15,7 @@ pub(super) const ALL: &[Prim] = &[
 ];
 
 interface! {
-    /// A digital input.
+    /// Value of a digital input.
     IN_BOOL = "IO::InBool";
     in {}
     param { DeviceID: Text = Str(""); Port: i64 = Int(0) }
@@ -25,7 +25,7 @@ interface! {
 }
 
 interface! {
-    /// An analogue input.
+    /// Value of an analogue input.
     IN_REAL = "IO::InReal";
     in {}
     param { DeviceID: Text = Str(""); Port: i64 = Int(0) }
@@ -35,7 +35,7 @@ interface! {
 }
 
 interface! {
-    /// Sets a digital output; leaves it as it is while there is no value.
+    /// Sets a digital output. The output keeps its value while the input is absent.
     OUT_BOOL = "IO::OutBool";
     in { inIO: bool = IO(Bool(false)) }
     param { DeviceID: Text = Str(""); Port: i64 = Int(0) }
@@ -45,7 +45,7 @@ interface! {
 }
 
 interface! {
-    /// Sets an analogue output; leaves it as it is while there is no value.
+    /// Sets an analogue output. The output keeps its value while the input is absent.
     OUT_REAL = "IO::OutReal";
     in { inIO: f64 = IO(Real(0.0)) }
     param { DeviceID: Text = Str(""); Port: i64 = Int(0) }
@@ -55,7 +55,7 @@ interface! {
 }
 
 interface! {
-    /// What a digital output is set to.
+    /// Current value of a digital output.
     OUT_BOOL_SENSOR = "IO::OutBoolSensor";
     in {}
     param { DeviceID: Text = Str(""); Port: i64 = Int(0) }
@@ -65,7 +65,7 @@ interface! {
 }
 
 interface! {
-    /// What an analogue output is set to.
+    /// Current value of an analogue output.
     OUT_REAL_SENSOR = "IO::OutRealSensor";
     in {}
     param { DeviceID: Text = Str(""); Port: i64 = Int(0) }

@@ -1,14 +1,15 @@
-//! Systems of linear equations of bounded size, solved without memory of their own.
+//! Systems of linear equations of bounded size, solved without allocation.
 
 use crate::bulk::{Array, Matrix};
 
-/// Most rows of a system.
+/// Maximum number of rows of a system.
 pub(super) const LARGEST: usize = 16;
 
-/// A system: its coefficients, and its right side as the last column.
+/// Augmented matrix of a system: the coefficients, and the right-hand side as the last column.
 type Rows = [[f64; LARGEST + 1]; LARGEST];
 
-/// Solves `matrix * to = right` (Gauss with partial pivoting; Golub and Van Loan, Matrix Computations, 3.4).
+/// Solves `matrix * to = right` by Gaussian elimination with partial pivoting (Golub and Van Loan, Matrix Computations,
+/// 3.4). All elements of `to` are not a number if the system is singular.
 pub(super) fn solve(cells: &mut [u64], matrix: Matrix, right: Array<f64>, to: Array<f64>) {
     let n = matrix.rows.min(LARGEST);
     let mut rows: Rows = [[0.0; LARGEST + 1]; LARGEST];
@@ -35,7 +36,7 @@ pub(super) fn solve(cells: &mut [u64], matrix: Matrix, right: Array<f64>, to: Ar
     }
 }
 
-/// Brings the row with the largest entry of a column up and clears the column below.
+/// Swaps the row with the largest entry of a column into the pivot position and eliminates the column below it.
 fn eliminate(rows: &mut Rows, n: usize, column: usize) {
     let size = |row: usize| libm::fabs(rows[row][column]);
     let pivot = (column + 1..n).fold(

@@ -1,4 +1,4 @@
-//! Boolean logic, three-valued where an operand may be absent (Kleene 1952).
+//! Boolean logic. It is three-valued if an operand may be absent (Kleene, 1952).
 
 use crate::macros::primitive;
 use crate::registry::Prim;
@@ -6,7 +6,8 @@ use crate::registry::Prim;
 pub(super) const ALL: &[Prim] = &[AND, OR, NOT];
 
 primitive! {
-    /// Conjunction. False if either operand is false, even when the other is absent; otherwise absent if one is absent.
+    /// Conjunction (Kleene). False if an operand is false, even if the other one is absent; otherwise absent if an
+    /// operand is absent.
     AND = "Core::BooleanAnd";
     in { inFirst: bool = First(Bool(true)); inSecond: bool = Second(Bool(true)) }
     out { outValue: bool }
@@ -19,7 +20,8 @@ primitive! {
 }
 
 primitive! {
-    /// Disjunction. True if either operand is true, even when the other is absent; otherwise absent if one is absent.
+    /// Disjunction (Kleene). True if an operand is true, even if the other one is absent; otherwise absent if an
+    /// operand is absent.
     OR = "Core::BooleanOr";
     in { inFirst: bool = First(Bool(false)); inSecond: bool = Second(Bool(false)) }
     out { outValue: bool }

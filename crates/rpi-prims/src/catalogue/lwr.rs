@@ -1,7 +1,7 @@
-//! What the light-weight arms have beyond other arms: torques, impedance, elbow.
+//! Primitives for KUKA light-weight arms: torques, impedance and elbow.
 //!
-//! `InvKin` and `ToolParameters` have the ports of the first generation of the reference system, in whose nets they occur;
-//! the second uses the general ones of [`super::arm`].
+//! `InvKin` and `ToolParameters` have the ports of the first generation of the reference system, because its nets use
+//! them. The second generation uses the general primitives of [`super::arm`].
 
 use super::devices::{actuator, function, sensor};
 use crate::bulk::Array;
@@ -26,8 +26,8 @@ pub(super) const ALL: &[Prim] = &[
 ];
 
 interface! {
-    /// Way of control of the arm (position, joint impedance, Cartesian impedance), as a number of the device. Completed once
-    /// the arm has taken it over.
+    /// Sets the control mode of the arm (position, joint impedance, Cartesian impedance) as a number defined by the
+    /// device. `outCompleted` is true once the arm has accepted it.
     CONTROL_STRATEGY = "KUKA::LWR::ControlStrategy";
     in { inStrategy: i64 }
     param { Robot: Text = Str("") }
@@ -37,8 +37,8 @@ interface! {
 }
 
 interface! {
-    /// Tells the arm its load: mass (kg), centre of mass (as a pose, as the nets of the first
-    /// generation give it; m), moments of inertia (kg m²), and its tool centre point. Completed once the arm has taken it over.
+    /// Sets the load of the arm: mass (kg), centre of mass (m; a pose, as in nets of the first generation), moments of
+    /// inertia (kg m²) and tool centre point. `outCompleted` is true once the arm has accepted the load.
     TOOL_PARAMETERS = "KUKA::LWR::ToolParameters";
     in {
         inMass: f64 = Mass(Real(0.0));
@@ -53,7 +53,7 @@ interface! {
 }
 
 interface! {
-    /// Pose of the tool in the arm's base for joint positions in rad.
+    /// Forward kinematics: pose of the tool in the base frame of the arm. Joint positions are in rad.
     KIN = "KUKA::LWR::Kin";
     in { inJoints: Array<f64> }
     param { Robot: Text = Str("") }
@@ -63,8 +63,9 @@ interface! {
 }
 
 interface! {
-    /// Joint positions in rad that bring the tool to a pose in the arm's base: near to the hint, with the elbow as in the
-    /// null-space joints; not a number where there are none.
+    /// Inverse kinematics: joint positions (rad) for a pose of the tool in the base frame of the arm. The solution is
+    /// the one close to the hint joints, with the elbow angle of the null-space joints. All outputs are not a number if
+    /// there is no solution. `Strategy` is not used.
     INV_KIN = "KUKA::LWR::InvKin";
     in {
         inFrame: Pose;
@@ -79,7 +80,8 @@ interface! {
 }
 
 interface! {
-    /// Velocity of the tool in the arm's base, and of the elbow angle (rad/s), for joint positions (rad) and velocities (rad/s).
+    /// Velocity of the tool in the base frame of the arm (m/s, rad/s) and rate of the elbow angle (rad/s), for joint
+    /// positions (rad) and joint velocities (rad/s).
     VEL_KIN = "KUKA::LWR::VelKin";
     in {
         inJ1: f64; inJ2: f64; inJ3: f64; inJ4: f64; inJ5: f64; inJ6: f64; inJ7: f64;
@@ -92,7 +94,7 @@ interface! {
 }
 
 interface! {
-    /// Torque of one axis in N m, as measured and as estimated to come from outside.
+    /// Measured and estimated external torque of one axis, in N m.
     T_MONITOR = "KUKA::LWR::TMonitor";
     in {}
     param { Robot: Text = Str(""); Axis: i64 = Int(0) }
@@ -102,7 +104,7 @@ interface! {
 }
 
 interface! {
-    /// Force (N) and torque (N m) estimated at the tool.
+    /// Estimated external force (N) and torque (N m) at the tool.
     F_MONITOR = "KUKA::LWR::FMonitor";
     in {}
     param { Robot: Text = Str("") }
@@ -114,8 +116,8 @@ interface! {
 }
 
 interface! {
-    /// Torques of the seven axes in N m, as measured and as estimated to come from outside, and force (N) and torque (N m)
-    /// estimated at the tool.
+    /// Measured and estimated external torques of the seven axes (N m), and estimated external force (N) and torque (N
+    /// m) at the tool.
     FT_MONITOR = "KUKA::LWR::FTMonitor";
     in {}
     param { Robot: Text = Str("") }
@@ -135,7 +137,8 @@ interface! {
 }
 
 interface! {
-    /// Impedance of one axis: stiffness (N m/rad), damping (share of critical), additional and largest torque (N m).
+    /// Sets the impedance of one axis: stiffness (N m/rad), damping (fraction of critical damping), additional torque
+    /// and maximum torque (N m). `outSuccess` is true once the arm has accepted it.
     JOINT_IMP_PARAMETERS = "KUKA::LWR::JointImpParameters";
     in {
         inStiffness: f64 = Stiffness(Real(0.0));
@@ -150,7 +153,8 @@ interface! {
 }
 
 interface! {
-    /// Impedance at the tool: stiffness (N/m, N m/rad), damping (share of critical), additional force (N) and torque (N m).
+    /// Sets the Cartesian impedance at the tool: stiffness (N/m, N m/rad), damping (fraction of critical damping),
+    /// additional force (N) and torque (N m).
     CART_IMP_PARAMETERS = "KUKA::LWR::CartImpParameters";
     in { inStiffness: Wrench; inDamping: Wrench; inAddTorque: Wrench }
     param { Robot: Text = Str("") }
@@ -160,7 +164,7 @@ interface! {
 }
 
 interface! {
-    /// A sine of force overlaid at the tool: amplitude (N, N m) and frequency (Hz) of each direction.
+    /// Sets a sinusoidal force overlaid at the tool: amplitude (N, N m) and frequency (Hz) for each direction.
     CART_SIN_IMP_PARAMETERS = "KUKA::IIWA::CartSinImpParameters";
     in { inAmplitude: Wrench; inFrequency: Wrench }
     param { Robot: Text = Str("") }

@@ -1,4 +1,4 @@
-//! Dense matrices of reals, row by row. Sizes are checked when a net is loaded; indices count from 0.
+//! Dense matrices of reals, stored row by row. Sizes are checked when a net is loaded. Indices count from 0.
 
 use super::linear;
 use crate::bulk::{Array, Matrix};
@@ -10,7 +10,7 @@ use rpi_image::{Scalar, Shape, ShapeArgs, Type};
 pub(super) const ALL: &[Prim] = &[CREATE, GET, SET, TRANSPOSE, SCALE, MULTIPLY, APPLY, SOLVE];
 
 primitive! {
-    /// A matrix of zeros.
+    /// Matrix of zeros with `Rows` rows and `Cols` columns.
     CREATE = "Core::MatrixCreate";
     in {}
     param { Rows: i64 = Int(1); Cols: i64 = Int(1) }
@@ -21,7 +21,7 @@ primitive! {
 }
 
 primitive! {
-    /// The element at `Row` and `Col`.
+    /// Element at row `Row` and column `Col`, counted from 0.
     GET = "Core::MatrixGet";
     in { inMatrix: Matrix }
     param { Row: i64 = Int(0); Col: i64 = Int(0) }
@@ -32,7 +32,8 @@ primitive! {
 }
 
 primitive! {
-    /// The matrix with the element at `Row` and `Col` replaced. `Rows` and `Cols` are not needed here.
+    /// Matrix with the element at row `Row` and column `Col`, counted from 0, replaced by `inValue`. `Rows` and `Cols`
+    /// are not used.
     SET = "Core::MatrixSet";
     in { inMatrix: Matrix; inValue: f64 = Value(Real(0.0)) }
     param { Rows: i64 = Int(0); Cols: i64 = Int(0); Row: i64 = Int(0); Col: i64 = Int(0) }
@@ -48,7 +49,7 @@ primitive! {
 }
 
 primitive! {
-    /// Rows as columns. `Rows` and `Cols` are not needed here.
+    /// Transposed matrix. `Rows` and `Cols` are not used.
     TRANSPOSE = "Core::MatrixTranspose";
     in { inMatrix: Matrix }
     param { Rows: i64 = Int(0); Cols: i64 = Int(0) }
@@ -59,7 +60,7 @@ primitive! {
 }
 
 primitive! {
-    /// Each element times a real. `Rows` and `Cols` are not needed here.
+    /// Matrix times a real. `Rows` and `Cols` are not used.
     SCALE = "Core::MatrixScale";
     in { inMatrix: Matrix; inValue: f64 = Value(Real(0.0)) }
     param { Rows: i64 = Int(0); Cols: i64 = Int(0) }
@@ -72,7 +73,7 @@ primitive! {
 }
 
 primitive! {
-    /// Product of two matrices. `Rows` and `Cols` are not needed here.
+    /// Product of two matrices. `Rows` and `Cols` are not used.
     MULTIPLY = "Core::MatrixMultiply";
     in { inMatrix1: Matrix; inMatrix2: Matrix }
     param { Rows: i64 = Int(0); Cols: i64 = Int(0) }
@@ -87,7 +88,7 @@ primitive! {
 }
 
 primitive! {
-    /// Product of a matrix and a vector. `Size` is not needed here.
+    /// Product of a matrix and a vector. `Size` is not used.
     APPLY = "Core::MatrixApply";
     in { inMatrix: Matrix; inVector: Array<f64> }
     param { Size: i64 = Int(0) }
@@ -106,8 +107,9 @@ primitive! {
 }
 
 primitive! {
-    /// Solution of a system of linear equations, square with at most 16 rows, by elimination with partial pivoting. All not a
-    /// number where there is none. `Size` is not needed here.
+    /// Solution x of the linear equations `inMatrix` x = `inResult` by Gaussian elimination with partial pivoting. The
+    /// matrix must be square with at most 16 rows. All elements are not a number if the system is singular. `Size` is
+    /// not used.
     SOLVE = "Core::MatrixSolve";
     in { inMatrix: Matrix; inResult: Array<f64> }
     param { Size: i64 = Int(0) }
@@ -126,12 +128,12 @@ fn element(cx: &mut Cx<'_>, place: u32, matrix: Matrix, row: i64, col: i64) -> f
         })
 }
 
-/// An index; one that lies in no matrix where it is negative.
+/// Returns an index as `usize`; a negative index becomes `usize::MAX`, which is out of range of every matrix.
 pub(super) fn index(index: i64) -> usize {
     usize::try_from(index).unwrap_or(usize::MAX)
 }
 
-/// True if parameters `row` and `col` are indices of matrix input 0.
+/// Returns whether the parameters `row` and `col` are valid indices of matrix input 0.
 fn holds(args: &ShapeArgs<'_>, row: usize, col: usize) -> bool {
     let inside = |index: Option<u32>, size| index.is_some_and(|i| i < size);
     args.shape(0)

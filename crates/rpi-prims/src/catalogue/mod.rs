@@ -1,4 +1,4 @@
-//! The primitives, one file per family; [`SORTED`] is their table.
+//! All primitives, one module per family. [`SORTED`] is the table.
 
 mod arm;
 mod average;
@@ -35,7 +35,7 @@ mod vector;
 use crate::registry::Prim;
 use core::cmp::Ordering;
 
-/// The families. A new file is one line here.
+/// Primitives of each family. A new module needs one line here.
 const FAMILIES: &[&[Prim]] = &[
     arm::ALL,
     average::ALL,
@@ -102,9 +102,10 @@ const COUNT: usize = {
     n
 };
 
-/// All primitives, sorted by registered name at compile time; two of one name do not compile.
+/// All primitives, sorted by registered name at compile time. Duplicate names are a compile error.
 pub(crate) static SORTED: [Prim; COUNT] = sorted();
 
+// A bottom-up merge sort written with loops, because `slice::sort` is not a `const fn`.
 const fn sorted() -> [Prim; COUNT] {
     let (mut from, mut to) = (listed(), listed());
     let mut run = 1;
@@ -120,7 +121,7 @@ const fn sorted() -> [Prim; COUNT] {
     from
 }
 
-/// All primitives family by family.
+/// Returns all primitives, family by family.
 const fn listed() -> [Prim; COUNT] {
     let mut all = [FAMILIES[0][0]; COUNT];
     let (mut n, mut k) = (0, 0);
@@ -136,7 +137,8 @@ const fn listed() -> [Prim; COUNT] {
     all
 }
 
-/// `to` with the sorted runs `from[a..b]` and `from[b..c]` merged into `to[a..c]`; both may end early.
+/// Returns `to` with the sorted runs `from[a..b]` and `from[b..c]` merged into `to[a..c]`. Runs may end at the end of
+/// the table.
 const fn merged(
     from: &[Prim; COUNT],
     mut to: [Prim; COUNT],
@@ -164,7 +166,7 @@ const fn merged(
     to
 }
 
-/// True if `a` sorts before `b`; equal names are refused.
+/// Returns whether `a` sorts before `b`; panics (a compile error) for equal names.
 const fn before(a: &str, b: &str) -> bool {
     let order = order(a, b);
     assert!(
@@ -174,7 +176,7 @@ const fn before(a: &str, b: &str) -> bool {
     matches!(order, Ordering::Less)
 }
 
-/// The order of names, byte by byte.
+/// Compares names byte by byte.
 pub(crate) const fn order(a: &str, b: &str) -> Ordering {
     let (a, b) = (a.as_bytes(), b.as_bytes());
     let mut k = 0;

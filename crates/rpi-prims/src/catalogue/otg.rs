@@ -1,9 +1,10 @@
 //! Online trajectory generation: one step per cycle towards a goal that may change at any time.
 //!
-//! The second-order filter of Zanasi, Guarino Lo Bianco and Tonielli ("Nonlinear filters for the generation of smooth
-//! trajectories", Automatica 36, 2000; Biagiotti and Melchiorri, Trajectory Planning, 2008, 4.6): time-optimal in discrete
-//! time under a bound on the acceleration. As in the reference system the position follows the velocity at the end of the
-//! period, where the filter is derived for that of its middle: at the goal it goes on to and fro by a part of one step.
+//! Implements the second-order filter of Zanasi, Guarino Lo Bianco and Tonielli ("Nonlinear filters for the generation
+//! of smooth trajectories", Automatica 36, 2000; Biagiotti and Melchiorri, Trajectory Planning, 2008, 4.6). The filter
+//! is time-optimal in discrete time with bounded acceleration. As in the reference system, the position is integrated
+//! with the velocity at the end of the period, while the filter assumes the velocity in the middle. At the goal, the
+//! output therefore oscillates by a fraction of one step.
 
 use crate::macros::primitive;
 use crate::registry::Prim;
@@ -11,9 +12,10 @@ use crate::registry::Prim;
 pub(super) const ALL: &[Prim] = &[OTG, OTG2];
 
 primitive! {
-    /// One step of a motion towards position and velocity of a goal with bounded velocity and acceleration. It starts from
-    /// `inCurPos`, or else where the last step ended (at first 0), with `inCurVel`, or else the velocity that led there from
-    /// where the last step started (at first 0). `inCurAcc` is not needed.
+    /// Online trajectory generation: one step towards position and velocity of a goal with bounded velocity
+    /// (`inMaxVel`) and acceleration (`inMaxAcc`). Units are those of the position and s. The step starts at
+    /// `inCurPos`; if absent, at the end of the last step (initially 0). It starts with `inCurVel`; if absent, with the
+    /// velocity from the start of the last step to the current position (initially 0). `inCurAcc` is not used.
     OTG = "Core::OTG";
     in {
         inCurPos: f64 = absent;
@@ -43,8 +45,9 @@ primitive! {
 }
 
 primitive! {
-    /// One step of a motion that follows a position with bounded velocity and acceleration: like `OTG`, with the velocity of
-    /// the goal taken from its change since the last cycle.
+    /// Online trajectory generation: one step towards a moving position with bounded velocity (`inMaxVel`) and
+    /// acceleration (`inMaxAcc`). It works like `OTG`, but computes the velocity of the goal from its change since the
+    /// last cycle.
     OTG2 = "Core::OTG2";
     in {
         inCurPos: f64;
@@ -64,7 +67,8 @@ primitive! {
     }
 }
 
-/// Position, velocity and acceleration after one period (no acceleration where a full step of it could be too fast) `dt`, from (position, velocity) to a goal of both.
+/// Returns position, velocity and acceleration after one period `dt`, from (position, velocity) towards a goal
+/// (position, velocity). The acceleration is 0 if a full step of it could exceed the maximum velocity.
 pub(crate) fn step(
     from: (f64, f64),
     to: (f64, f64),
@@ -86,7 +90,8 @@ pub(crate) fn step(
     (from.0 + velocity * dt, velocity, acceleration)
 }
 
-/// The sliding variable σ: it asks for an acceleration against its sign, at most the largest, in proportion below 1.
+/// Returns the sliding variable σ of the filter. The acceleration has the opposite sign; it is maximal for |σ| of 1 or
+/// more and proportional below.
 fn sliding(from: (f64, f64), to: (f64, f64), max_acceleration: f64, dt: f64) -> f64 {
     let speed = (from.1 - to.1) / (max_acceleration * dt);
     let z = (from.0 - to.0) / (max_acceleration * dt * dt) + speed / 2.0;

@@ -1,4 +1,4 @@
-//! Arithmetic and comparison of reals (IEEE 754 doubles: no faults, infinities and not-a-number run through).
+//! Arithmetic and comparison of reals (IEEE 754 binary64). There are no faults; infinities and not-a-number propagate.
 
 use crate::macros::primitive;
 use crate::registry::Prim;
@@ -24,7 +24,7 @@ primitive! {
 }
 
 primitive! {
-    /// Quotient of two reals; infinite or not a number where the second is 0.
+    /// Quotient of two reals. Infinite or not a number if the second operand is 0.
     DIVIDE = "Core::DoubleDivide";
     in { inFirst: f64 = First(Real(0.0)); inSecond: f64 = Second(Real(0.0)) }
     out { outValue: f64 }
@@ -33,7 +33,7 @@ primitive! {
 }
 
 primitive! {
-    /// Remainder of a truncated division; it has the sign of the first operand (C `fmod`).
+    /// Remainder of the truncated division; it has the sign of the first operand (C `fmod`).
     MODULO = "Core::DoubleModulo";
     in { inFirst: f64 = First(Real(1.0)); inSecond: f64 = Second(Real(1.0)) }
     out { outValue: f64 }
@@ -42,7 +42,7 @@ primitive! {
 }
 
 primitive! {
-    /// True if the operands are equal or differ by at most `Epsilon`. Never true for not-a-number.
+    /// True if the operands are equal or differ by at most `Epsilon`. False if an operand is not a number.
     EQUALS = "Core::DoubleEquals";
     in { inFirst: f64 = First(Real(0.0)); inSecond: f64 = Second(Real(0.0)) }
     param { Epsilon: f64 = Real(0.0) }
@@ -52,7 +52,7 @@ primitive! {
 }
 
 primitive! {
-    /// True if the first operand is greater than the second. Never true for not-a-number.
+    /// True if the first operand is greater than the second. False if an operand is not a number.
     GREATER = "Core::DoubleGreater";
     in { inFirst: f64 = First(Real(0.0)); inSecond: f64 = Second(Real(0.0)) }
     out { outValue: bool }
@@ -60,7 +60,8 @@ primitive! {
     pure |(a, b)| (a > b,)
 }
 
-/// Infinities are equal to themselves, although their difference is not a number.
+/// Returns whether `a` and `b` are equal or differ by at most `epsilon`. Equal infinities need the first test, as their
+/// difference is not a number.
 fn equal(a: f64, b: f64, epsilon: f64) -> bool {
     a == b || libm::fabs(a - b) <= epsilon
 }

@@ -1,4 +1,5 @@
-//! Rotations. Inside they are unit quaternions; Euler angles a, b, c (about z, the new y, the new x, in rad) only here.
+//! Rotations. They are stored as unit quaternions; only these conversions use Euler angles a, b, c (about z, the new y
+//! and the new x, in rad).
 
 use crate::flow::{Rotation, Vector};
 use crate::geometry;
@@ -17,7 +18,8 @@ pub(super) const ALL: &[Prim] = &[
 ];
 
 primitive! {
-    /// A rotation from Euler angles in rad: by `A` about z, then `B` about the new y, then `C` about the new x.
+    /// Rotation from Euler angles in rad: by `inA` about z, then by `inB` about the new y, then by `inC` about the new
+    /// x.
     FROM_ABC = "World::RotationFromABC";
     in { inA: f64 = A(Real(0.0)); inB: f64 = B(Real(0.0)); inC: f64 = C(Real(0.0)) }
     out { outValue: Rotation }
@@ -26,7 +28,8 @@ primitive! {
 }
 
 primitive! {
-    /// Euler angles of a rotation in rad, the second from -π/2 to π/2. At its ends the third is 0.
+    /// Euler angles of a rotation in rad (about z, the new y and the new x). `outB` lies between -π/2 and π/2; at these
+    /// limits (gimbal lock) `outC` is 0.
     TO_ABC = "World::RotationToABC";
     in { inValue: Rotation }
     out { outA: f64; outB: f64; outC: f64 }
@@ -35,7 +38,7 @@ primitive! {
 }
 
 primitive! {
-    /// Rotation by an angle in rad about a unit axis. The length of another axis scales the angle.
+    /// Rotation by `inAngle` (rad) about `inAxis`, which should be a unit vector: its length scales the angle.
     FROM_AXIS_ANGLE = "World::RotationFromAxisAngle";
     in { inAxis: Vector = [super::spatial::AXIS]; inAngle: f64 = Angle(Real(0.0)) }
     out { outValue: Rotation }
@@ -44,7 +47,7 @@ primitive! {
 }
 
 primitive! {
-    /// Unit axis and angle (rad, 0 to π) of a rotation; the axis is x where there is no rotation.
+    /// Unit axis and angle (rad, 0 to π) of a rotation. The axis is x for the identity.
     TO_AXIS_ANGLE = "World::RotationToAxisAngle";
     in { inValue: Rotation }
     out { outAxis: Vector; outAngle: f64 }
@@ -53,7 +56,7 @@ primitive! {
 }
 
 primitive! {
-    /// A rotation from a quaternion, which is scaled to unit length.
+    /// Rotation from a quaternion, which is normalised. The zero quaternion gives the identity.
     FROM_QUATERNION = "World::RotationFromQuaternion";
     in {
         inX: f64 = X(Real(1.0));
@@ -67,7 +70,7 @@ primitive! {
 }
 
 primitive! {
-    /// The unit quaternion of a rotation, with `w` at least 0.
+    /// Unit quaternion of a rotation, with `outW` not negative.
     TO_QUATERNION = "World::RotationToQuaternion";
     in { inValue: Rotation }
     out { outX: f64; outY: f64; outZ: f64; outW: f64 }
@@ -79,7 +82,7 @@ primitive! {
 }
 
 primitive! {
-    /// The opposite rotation.
+    /// Inverse rotation.
     INVERT = "World::RotationInvert";
     in { inValue: Rotation }
     out { outValue: Rotation }
@@ -88,7 +91,7 @@ primitive! {
 }
 
 primitive! {
-    /// The first rotation, then the second in the turned frame.
+    /// Composition of rotations: `inFirst`, then `inSecond` in the rotated frame.
     TRANSFORM = "World::RotationTransform";
     in { inFirst: Rotation; inSecond: Rotation }
     out { outValue: Rotation }

@@ -1,16 +1,16 @@
-//! Spatial values made of several real parameters where nothing is connected.
+//! Spatial values from several real parameters, for in-ports that are not connected.
 
 use crate::flow::{Rotation, Vector};
 use crate::geometry;
 use rpi_image::{Need, Scalar, Value};
 
-/// A vector from `X`, `Y`, `Z`; 0 by default.
+/// Vector from the parameters `X`, `Y`, `Z`; 0 by default.
 pub(super) const XYZ: Need = Need::Params(&[("X", 0.0), ("Y", 0.0), ("Z", 0.0)], vector);
-/// A vector from `RX`, `RY`, `RZ`; 0 by default.
+/// Vector from the parameters `RX`, `RY`, `RZ`; 0 by default.
 pub(super) const RXYZ: Need = Need::Params(&[("RX", 0.0), ("RY", 0.0), ("RZ", 0.0)], vector);
-/// An axis from `X`, `Y`, `Z`; x by default.
+/// Axis from the parameters `X`, `Y`, `Z`; the x axis by default.
 pub(super) const AXIS: Need = Need::Params(&[("X", 1.0), ("Y", 0.0), ("Z", 0.0)], vector);
-/// A rotation from the Euler angles `A`, `B`, `C`; none by default.
+/// Rotation from the Euler angles `A`, `B`, `C` (rad); the identity by default.
 pub(super) const ABC: Need = Need::Params(&[("A", 0.0), ("B", 0.0), ("C", 0.0)], rotation);
 
 fn vector(parts: &[f64]) -> Value {

@@ -1,4 +1,4 @@
-//! Lining up values by their time stamps.
+//! Alignment of values by their time stamps.
 
 use super::times::seconds_between;
 use crate::bulk::Region;
@@ -12,8 +12,9 @@ use rpi_image::SizeArgs;
 pub(super) const ALL: &[Prim] = &[HISTORY, CONSISTENT_RANGE];
 
 primitive! {
-    /// How long ago, in seconds of whole cycles, the time stamp `inValue` was not later than `inTime`: 0 if it is now; the
-    /// age after the oldest remembered one, at most `MaxAge`, if it never was.
+    /// Time since the cycle in which the time stamp `inValue` was last not later than `inTime`, in s and a multiple of
+    /// the period. 0 if that is the current cycle. If there is no such cycle in the history of `MaxAge` seconds, the
+    /// length of the history so far.
     HISTORY = "Core::TimeHistory";
     in { inValue: Time; inTime: Time }
     param { MaxAge: f64 = Real(1.0) }
@@ -30,9 +31,9 @@ primitive! {
 }
 
 primitive! {
-    /// The smallest range of time around two ranges, one of which is the newest of its kind and the other as new as it can be
-    /// for the range to stay below `MaxSize` seconds. Where there is none, the range of the previous cycles, up to `MaxAge`
-    /// seconds old. Absent without any.
+    /// Smallest time range that contains two ranges: the newest one of one input, and the newest one of the other input
+    /// for which the result is shorter than `MaxSize` seconds. If there is none, the last result up to `MaxAge` seconds
+    /// ago; absent if there is none either.
     CONSISTENT_RANGE = "Core::TimeConsistentRange";
     in { inFirstStart: Time; inFirstEnd: Time; inSecondStart: Time; inSecondEnd: Time }
     param { MaxSize: f64 = Real(1.0); MaxAge: f64 = Real(1.0) }
@@ -55,7 +56,7 @@ fn ranges(args: &SizeArgs<'_>) -> u32 {
     Ring::<Time>::cells(args.cycles(1).saturating_add(1)).saturating_mul(6)
 }
 
-/// A range of time.
+/// Time range.
 #[derive(Clone, Copy)]
 struct Range {
     start: Time,
@@ -79,7 +80,7 @@ impl Range {
     }
 }
 
-/// The last ranges of one kind.
+/// History of the ranges of one input or of the results.
 #[derive(Clone, Copy)]
 struct Ranges {
     starts: Ring<Time>,
@@ -97,7 +98,7 @@ impl Ranges {
     }
 }
 
-/// The last ranges of both kinds and of the results.
+/// Histories of both inputs and of the results.
 struct Histories {
     first: Ranges,
     second: Ranges,
@@ -139,7 +140,7 @@ impl Histories {
         found.or(kept)
     }
 
-    /// The newest pair, one of them of this cycle, whose hull is short enough.
+    /// Returns the newest pair with a hull shorter than `max_size` seconds; one range of the pair is of this cycle.
     fn newest(
         &self,
         cells: &[u64],

@@ -10,7 +10,7 @@ use rpi_image::{CommandFlow, Role};
 pub(super) const ALL: &[Prim] = &[NET, WALL, ADD, DIFF, PRE, AT_TIME];
 
 interface! {
-    /// Logical time of the cycle: that of the command's first cycle and then one period more in each.
+    /// Logical time of the cycle: the time of the first cycle of the command plus one period per cycle.
     NET = "Core::TimeNet";
     in {}
     out { outValue: Time }
@@ -19,7 +19,7 @@ interface! {
 }
 
 interface! {
-    /// The machine's clock at the start of the cycle.
+    /// Time of the system clock at the start of the cycle.
     WALL = "Core::TimeWall";
     in {}
     out { outValue: Time }
@@ -28,7 +28,7 @@ interface! {
 }
 
 primitive! {
-    /// A time and some seconds more, truncated to nanoseconds. A result that is no time is a fault.
+    /// Time plus `inDelta` seconds, truncated to ns. A result out of range is a fault.
     ADD = "Core::TimeAdd";
     in { inTime: Time; inDelta: f64 }
     out { outValue: Time }
@@ -37,7 +37,7 @@ primitive! {
 }
 
 primitive! {
-    /// Seconds from the first to the second time.
+    /// Difference of two times, `inSecond` minus `inFirst`, in s.
     DIFF = "Core::TimeDiff";
     in { inFirst: Time; inSecond: Time }
     out { outValue: f64 }
@@ -46,7 +46,8 @@ primitive! {
 }
 
 interface! {
-    /// The time of the previous cycle in which the surrounding fragment was active, absence included; absent at first.
+    /// Value of the previous cycle in which the enclosing fragment was active, absence included. Absent in the first
+    /// cycle.
     PRE = "Core::TimePre";
     in { inValue: Time }
     out { outValue: Time }
@@ -55,8 +56,9 @@ interface! {
 }
 
 primitive! {
-    /// The time of an earlier cycle: `inAge` seconds, rounded down to whole cycles, before the previous one. Like the
-    /// operation of the same name on other types.
+    /// Value of an earlier cycle: `inAge` seconds, rounded down to whole cycles, before the previous cycle. Ages are
+    /// limited to `MaxAge`. Absent if the history is too short, or if the value was absent then. A cycle without an age
+    /// is not stored. Same as `AtTime` of other types.
     AT_TIME = "Core::TimeAtTime";
     in { inValue: Time; inAge: f64 = Age(Real(0.0)) }
     param { MaxAge: f64 = Real(1.0) }
@@ -68,7 +70,7 @@ primitive! {
     }
 }
 
-/// Seconds from the first to the second time.
+/// Returns `second` minus `first`, in s.
 pub(super) fn seconds_between(first: Time, second: Time) -> f64 {
     let nanoseconds = i128::from(second.0) - i128::from(first.0);
     nanoseconds as f64 / 1e9

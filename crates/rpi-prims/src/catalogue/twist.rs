@@ -1,4 +1,4 @@
-//! Velocities (m/s, rad/s) and wrenches (N, N m).
+//! Velocities, or twists (m/s, rad/s), and wrenches (N, N m).
 
 use crate::flow::{Pose, Rotation, Twist, Vector, Wrench};
 use crate::geometry;
@@ -28,7 +28,7 @@ primitive! {
 }
 
 primitive! {
-    /// The velocity of another point of the same body, which lies at `inVector` from the first.
+    /// Velocity of another point of the same body; `inVector` is the vector from the first to the other point, in m.
     CHANGE_CENTER = "World::TwistChangeCenter";
     in { inValue: Twist; inVector: Vector }
     out { outValue: Twist }
@@ -37,7 +37,7 @@ primitive! {
 }
 
 primitive! {
-    /// The velocity that leads from one pose to another in one period, in base coordinates.
+    /// Velocity that moves from `inPrevFrame` to `inFrame` in one period, in coordinates of the base frame.
     FROM_FRAMES = "World::TwistFromFrames";
     in { inPrevFrame: Pose; inFrame: Pose }
     out { outValue: Twist }
@@ -46,7 +46,7 @@ primitive! {
 }
 
 primitive! {
-    /// A velocity from its linear and angular part.
+    /// Velocity from its linear (m/s) and angular (rad/s) parts.
     FROM_VELOCITIES = "World::TwistFromVelocities";
     in { inTransVel: Vector = [super::spatial::XYZ]; inRotVel: Vector = [super::spatial::RXYZ] }
     out { outValue: Twist }
@@ -55,7 +55,7 @@ primitive! {
 }
 
 primitive! {
-    /// Linear and angular part of a velocity.
+    /// Linear (m/s) and angular (rad/s) parts of a velocity.
     TO_VELOCITIES = "World::TwistToVelocities";
     in { inValue: Twist }
     out { outTransVel: Vector; outRotVel: Vector }
@@ -64,7 +64,7 @@ primitive! {
 }
 
 primitive! {
-    /// A velocity from its components: linear x, y, z, angular a, b, c about z, y, x.
+    /// Velocity from its components: linear x, y, z (m/s); angular a, b, c about z, y, x (rad/s).
     FROM_XYZ = "World::TwistFromXYZ";
     in {
         inX: f64 = X(Real(0.0));
@@ -80,7 +80,7 @@ primitive! {
 }
 
 primitive! {
-    /// Components of a velocity: linear x, y, z, angular a, b, c about z, y, x.
+    /// Components of a velocity: linear x, y, z (m/s); angular a, b, c about z, y, x (rad/s).
     TO_XYZ = "World::TwistToXYZ";
     in { inValue: Twist }
     out { outX: f64; outY: f64; outZ: f64; outA: f64; outB: f64; outC: f64 }
@@ -89,7 +89,7 @@ primitive! {
 }
 
 primitive! {
-    /// The velocity in the coordinates of the frame in which `inRot` is given.
+    /// Velocity transformed from the rotated frame to the frame in which `inRot` is given. The reference point stays.
     ROTATE = "World::TwistRotate";
     in { inValue: Twist; inRot: Rotation }
     out { outValue: Twist }
@@ -98,7 +98,7 @@ primitive! {
 }
 
 primitive! {
-    /// A wrench from its components: force x, y, z, torque a, b, c about z, y, x.
+    /// Wrench from its components: force x, y, z (N); torque a, b, c about z, y, x (N m).
     WRENCH_FROM_XYZ = "World::WrenchFromXYZ";
     in {
         inX: f64 = X(Real(0.0));
@@ -114,7 +114,7 @@ primitive! {
 }
 
 primitive! {
-    /// Components of a wrench: force x, y, z, torque a, b, c about z, y, x.
+    /// Components of a wrench: force x, y, z (N); torque a, b, c about z, y, x (N m).
     WRENCH_TO_XYZ = "World::WrenchToXYZ";
     in { inValue: Wrench }
     out { outX: f64; outY: f64; outZ: f64; outA: f64; outB: f64; outC: f64 }
@@ -122,12 +122,12 @@ primitive! {
     pure |(w,): (Wrench,)| (w.force.x, w.force.y, w.force.z, w.torque.z, w.torque.y, w.torque.x)
 }
 
-/// A velocity from its parts.
+/// Creates a velocity from its linear and angular parts.
 pub(super) fn twist(linear: Vector, angular: Vector) -> Twist {
     Twist { linear, angular }
 }
 
-/// The velocity in base coordinates that leads from one pose to another in `dt` seconds.
+/// Returns the velocity, in base coordinates, that moves from one pose to another in `dt` seconds.
 pub(super) fn velocity(from: Pose, to: Pose, dt: f64) -> Twist {
     let way = to.translation.vector - from.translation.vector;
     let turn = geometry::log(to.rotation * from.rotation.inverse());

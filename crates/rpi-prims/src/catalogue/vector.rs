@@ -34,7 +34,7 @@ primitive! {
 }
 
 primitive! {
-    /// Vector times a real.
+    /// Product of a vector and a real.
     SCALE = "World::VectorScale";
     in { inValue: Vector; inFactor: f64 = Factor(Real(1.0)) }
     out { outValue: Vector }
@@ -43,7 +43,7 @@ primitive! {
 }
 
 primitive! {
-    /// The vector turned by a rotation: from the turned frame's coordinates to the base's.
+    /// Vector rotated by `inRot`: transforms coordinates of the rotated frame to coordinates of the base frame.
     ROTATE = "World::VectorRotate";
     in { inValue: Vector; inRot: Rotation }
     out { outValue: Vector }
@@ -52,7 +52,7 @@ primitive! {
 }
 
 primitive! {
-    /// A vector from its components.
+    /// Vector from its components.
     FROM_XYZ = "World::VectorFromXYZ";
     in { inX: f64 = X(Real(0.0)); inY: f64 = Y(Real(0.0)); inZ: f64 = Z(Real(0.0)) }
     out { outValue: Vector }
@@ -61,7 +61,7 @@ primitive! {
 }
 
 primitive! {
-    /// The components of a vector.
+    /// Components of a vector.
     TO_XYZ = "World::VectorToXYZ";
     in { inValue: Vector }
     out { outX: f64; outY: f64; outZ: f64 }

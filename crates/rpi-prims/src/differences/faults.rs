@@ -1,4 +1,5 @@
-//! What the reference computes where it is wrong, so that a recorded value can be recognised as the fault.
+//! Models of faults of the reference system. A recorded value that equals the result of a model is explained by the
+//! fault.
 
 use super::{Case, WIDEST, Wrong};
 use crate::catalogue::frame_otg::{self, Limits};
@@ -8,17 +9,17 @@ use crate::geometry;
 use core::ops::Range;
 use rpi_image::{PortType, Scalar, Value};
 
-/// Sine and cosine are exchanged.
+/// Models the sine computed instead of the cosine, from the recorded input: the reference swaps both functions.
 pub(super) fn cosine(case: &Case<'_>) -> Option<Wrong> {
     Some(Wrong::value(libm::cos(case.input(0)?)))
 }
 
-/// Sine and cosine are exchanged.
+/// Models the cosine computed instead of the sine: the reference swaps both functions.
 pub(super) fn sine(case: &Case<'_>) -> Option<Wrong> {
     Some(Wrong::value(libm::sin(case.input(0)?)))
 }
 
-/// The last component of the axis is taken from the wrong elements of the matrix.
+/// Returns the axis of a rotation with its z component taken from the wrong elements of the matrix.
 fn axis(rotation: Rotation) -> Vector {
     let m = geometry::matrix(rotation);
     let axis = Vector::new(m[2][1] - m[1][2], m[0][2] - m[2][0], m[1][0] - m[0][2]);
@@ -26,7 +27,7 @@ fn axis(rotation: Rotation) -> Vector {
     if length > 0.0 { axis / length } else { axis }
 }
 
-/// Axis times angle with that axis.
+/// Returns the rotation vector with the wrong axis.
 fn log(rotation: Rotation) -> Vector {
     axis(rotation) * geometry::to_axis_angle(rotation).1
 }
@@ -41,7 +42,7 @@ pub(super) fn quaternion(case: &Case<'_>) -> Option<Wrong> {
     Some(Wrong::value(*parts.get(case.port)?))
 }
 
-/// Interpolation about the wrong axis.
+/// Models interpolation about the wrong axis.
 pub(super) fn lerp(case: &Case<'_>) -> Option<Wrong> {
     let (from, to, amount): (Pose, Pose, f64) = (case.input(0)?, case.input(1)?, case.input(2)?);
     let turn = log(from.rotation.inverse() * to.rotation) * amount;
@@ -51,7 +52,7 @@ pub(super) fn lerp(case: &Case<'_>) -> Option<Wrong> {
     Some(Wrong::value(Pose::from_parts(position.into(), rotation)))
 }
 
-/// Angular velocity about the wrong axis.
+/// Models an angular velocity about the wrong axis.
 pub(super) fn twist_from_frames(case: &Case<'_>) -> Option<Wrong> {
     let (from, to): (Pose, Pose) = (case.input(0)?, case.input(1)?);
     let turn = from.rotation * log(from.rotation.inverse() * to.rotation);
@@ -62,7 +63,7 @@ pub(super) fn twist_from_frames(case: &Case<'_>) -> Option<Wrong> {
     }))
 }
 
-/// A way of rotation about the wrong axis.
+/// Models a step of the online trajectory with a rotation about the wrong axis.
 pub(super) fn frame_otg(case: &Case<'_>) -> Option<Wrong> {
     let (from, to): (Pose, Pose) = (case.input(0)?, case.input(2)?);
     let (velocity, goal) = (
@@ -81,7 +82,7 @@ pub(super) fn frame_otg(case: &Case<'_>) -> Option<Wrong> {
     })
 }
 
-/// Not scaled to unit length; no rotation at all where the angle is small, and not a number where w is no cosine.
+/// Models a quaternion that is not normalised: the identity for small angles, not-a-number if w is not a cosine.
 pub(super) fn from_quaternion(case: &Case<'_>) -> Option<Wrong> {
     const NO_ROTATION: f64 = 0.99999;
     let axis = Vector::new(case.input(0)?, case.input(1)?, case.input(2)?);
@@ -93,12 +94,12 @@ pub(super) fn from_quaternion(case: &Case<'_>) -> Option<Wrong> {
     Some(Wrong::value(geometry::exp(turn)))
 }
 
-/// The newest value instead of the mean: its share is divided as an integer.
+/// Models the newest value instead of the mean: the weight 1/n is an integer division.
 pub(super) fn newest(case: &Case<'_>) -> Option<Wrong> {
     Some(Wrong::value::<Rotation>(case.input(0)?))
 }
 
-/// Before the first snapshot the type's neutral value instead of the parameter.
+/// Models the neutral value of the type instead of the parameter `Value` before the first snapshot.
 pub(super) fn neutral(case: &Case<'_>) -> Option<Wrong> {
     if case.params.first().map(Value::cells) != case.computed {
         return None;
@@ -116,18 +117,18 @@ pub(super) fn neutral(case: &Case<'_>) -> Option<Wrong> {
     })
 }
 
-/// 32-bit integers, saturated.
+/// Models saturating conversion to 32-bit integers.
 pub(super) fn saturated(case: &Case<'_>) -> Option<Wrong> {
     let value: f64 = case.input(0)?;
     Some(Wrong::value(i64::from(value as i32)))
 }
 
-/// 32-bit integers, wrapped.
+/// Models a wrapping 32-bit sum.
 pub(super) fn wrapped_sum(case: &Case<'_>) -> Option<Wrong> {
     wrapped(case, i32::wrapping_add)
 }
 
-/// 32-bit integers, wrapped.
+/// Models a wrapping 32-bit product.
 pub(super) fn wrapped_product(case: &Case<'_>) -> Option<Wrong> {
     wrapped(case, i32::wrapping_mul)
 }
@@ -137,7 +138,7 @@ fn wrapped(case: &Case<'_>, operation: fn(i32, i32) -> i32) -> Option<Wrong> {
     Some(Wrong::value(i64::from(operation(operand(0)?, operand(1)?))))
 }
 
-/// Times are whole milliseconds, truncated.
+/// Models times in whole milliseconds, truncated.
 pub(super) fn whole_milliseconds(case: &Case<'_>) -> Option<Wrong> {
     const MILLISECOND: i64 = 1_000_000;
     let (time, delta): (Time, f64) = (case.input(0)?, case.input(1)?);
@@ -145,7 +146,7 @@ pub(super) fn whole_milliseconds(case: &Case<'_>) -> Option<Wrong> {
     Some(Wrong::value(Time((sum as i64).checked_mul(MILLISECOND)?)))
 }
 
-/// In its first cycle it takes the axis to have come from 0 within the period.
+/// Models a first cycle in which the axis moved from position 0 within one period.
 pub(super) fn otg_from_zero(case: &Case<'_>) -> Option<Wrong> {
     if case.input::<f64>(1).is_some() {
         return None;
@@ -159,23 +160,25 @@ pub(super) fn otg_from_zero(case: &Case<'_>) -> Option<Wrong> {
     Some(Wrong::value(*outs.get(case.port)?))
 }
 
-/// Divides by the largest acceleration, 0 or not.
+/// Models a division by a maximum acceleration of 0.
 pub(super) fn otg_without_acceleration(case: &Case<'_>) -> Option<Wrong> {
     (case.input::<f64>(6)? == 0.0).then(|| Wrong::value(f64::NAN))
 }
 
-/// An input object is compared with itself, so that no change is ever seen.
+/// Models an input object that is compared with itself, so that no change is detected.
 pub(super) fn no_edge(case: &Case<'_>) -> Option<Wrong> {
     reads_input_object(case).then(|| Wrong::value(false))
 }
 
-/// Inputs and outputs of devices are single objects that change in place.
+/// Returns whether the first in-port reads a device. The inputs and outputs of devices are objects that change in
+/// place.
 fn reads_input_object(case: &Case<'_>) -> bool {
     let source = case.sources.first().copied().flatten();
     source.is_some_and(|name| name.starts_with("IO::"))
 }
 
-/// True if each part of the recorded value is that of the computed one or of a current value that the primitive reads.
+/// Returns whether each part of the recorded value equals that part of the computed value or of a current value that
+/// the primitive reads.
 pub(super) fn aliased(
     case: &Case<'_>,
     recorded: &[u64],
@@ -201,7 +204,7 @@ pub(super) fn aliased(
             .any(|value| value.len() == recorded.len())
 }
 
-/// True if two values agree in some of their cells, judged by the equality of whole values.
+/// Returns whether two values are equal in the slots of `part`, by the equality of whole values.
 fn same_part(
     recorded: &[u64],
     value: &[u64],

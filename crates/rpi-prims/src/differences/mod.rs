@@ -1,10 +1,10 @@
-//! Where a recorded value of the reference system may differ from ours, and why.
+//! Differences between recorded values of the reference system and computed values, with their causes.
 //!
-//! The reference has faults that are not imitated. Each is one entry of [`DIFFERENCES`]: which out-ports it concerns, when it
-//! shows, in words what happens there and what is right, and the test that holds what is right. `rpi replay` takes a
-//! single value from the trace only where an entry explains it; the chapter on differences is generated from the same
-//! table. An entry must explain as little as it can: where a fault can be computed, the recorded value must be what it
-//! gives.
+//! The reference system has faults that are not imitated. [`DIFFERENCES`] has one entry per fault: the affected
+//! out-ports, the condition, the fault and the correct behaviour in words, and the test of the correct behaviour. `rpi
+//! replay` accepts a recorded value only if an entry explains it. The documentation of differences is generated from
+//! the same table. An entry should explain as few values as possible: if a fault can be computed, the recorded value
+//! must equal its result.
 
 mod faults;
 mod table;
@@ -14,51 +14,51 @@ use rpi_image::{PrimDesc, Value};
 
 pub use table::DIFFERENCES;
 
-/// A fault of the reference that is not imitated.
+/// Fault of the reference system that is not imitated.
 #[derive(Clone, Copy, Debug)]
 pub struct Difference {
     /// Short name.
     pub name: &'static str,
-    /// Registered names of the primitives; one `*` stands for any text.
+    /// Registered names of the primitives; one `*` matches any text.
     pub types: &'static [&'static str],
-    /// Their out-ports; one `*` stands for any text.
+    /// Names of the out-ports; one `*` matches any text.
     pub ports: &'static [&'static str],
-    /// When it shows.
+    /// Condition under which the fault appears.
     pub when: When,
-    /// What the reference does.
+    /// Behaviour of the reference system.
     pub fault: &'static str,
-    /// What is right.
+    /// Correct behaviour.
     pub right: &'static str,
-    /// Name of the test of what is right.
+    /// Name of the test of the correct behaviour.
     pub test: &'static str,
 }
 
-/// When a fault shows.
+/// Condition under which a fault appears.
 #[derive(Clone, Copy, Debug)]
 pub enum When {
-    /// The recorded value is what the fault makes of the recorded inputs.
+    /// The recorded value equals the result of the fault model for the recorded inputs.
     Gives(fn(&Case<'_>) -> Option<Wrong>),
-    /// The fault enters every value in a way that is not known exactly.
+    /// The fault affects every value, in a way that cannot be computed.
     Always,
-    /// Nothing was recorded where there is a value.
+    /// No value is recorded, although there should be one.
     NothingRecorded,
-    /// Nothing was recorded where there is a value, because not all in-ports are connected.
+    /// No value is recorded, although there should be one, because not all in-ports are connected.
     NotAllConnected,
-    /// The reference kept a reference to an object that its producer goes on using: parts of the recorded value are those of
-    /// the current value of what the primitive reads.
+    /// The reference kept a reference to an object that its producer continues to modify. Parts of the recorded value
+    /// are those of the current value of an input.
     AliasedSource,
-    /// An input comes from such an object, which may have changed between being read and being recorded.
+    /// An input comes from such an object, which may have changed between its use and its recording.
     ReadsAliased,
-    /// The fragment was inactive in the previous cycle, and nothing was recorded.
+    /// The fragment was inactive in the previous cycle, and no value is recorded.
     FirstCycleAfterPause,
-    /// The recorded text is no value of the port's type (an array with an absent element, another type).
+    /// The recorded text is not a value of the type of the port (an array with an absent element, or another type).
     OtherType,
 }
 
-/// Most cells of a single value.
+/// Maximum number of slots of a single value.
 const WIDEST: usize = 8;
 
-/// The cells that a fault gives.
+/// Result of a fault model, as slots.
 #[derive(Clone, Copy, Debug)]
 pub struct Wrong {
     cells: [u64; WIDEST],
@@ -66,7 +66,7 @@ pub struct Wrong {
 }
 
 impl Wrong {
-    /// The cells of a value.
+    /// Creates the result from a value.
     fn value<T: Flow>(value: T) -> Wrong {
         let mut cells = [0; WIDEST];
         value.store(&mut cells, 0);
@@ -76,65 +76,66 @@ impl Wrong {
         }
     }
 
-    /// The cells.
+    /// Returns the slots.
     #[must_use]
     pub fn cells(&self) -> &[u64] {
         &self.cells[..self.len]
     }
 }
 
-/// What was recorded at a port in a cycle.
+/// Recorded content of a port in a cycle.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Recorded<'a> {
-    /// Nothing.
+    /// No value.
     Absent,
-    /// A value.
+    /// Value.
     Value(&'a [u64]),
-    /// A text that is no value of the port's type.
+    /// Text that is not a value of the type of the port.
     Other,
 }
 
-/// A computed value that differs from the recorded one, and what is known around it.
+/// Computed value that differs from the recorded one, with its context.
 #[derive(Clone, Copy, Debug)]
 pub struct Case<'a> {
-    /// The primitive.
+    /// Declaration of the primitive.
     pub desc: &'a PrimDesc,
     /// Index of the out-port.
     pub port: usize,
-    /// Period in seconds.
+    /// Period, s.
     pub dt: f64,
-    /// Values of the in-ports in this cycle: as recorded at their sources, or of the parameters that stand in.
+    /// Values of the in-ports in this cycle: those recorded at their sources, or those of the parameters that replace
+    /// them.
     pub inputs: &'a [Option<&'a [u64]>],
-    /// Registered names of the primitives that the in-ports read; `None` where nothing is connected.
+    /// Registered names of the primitives that the in-ports read; `None` for an in-port that is not connected.
     pub sources: &'a [Option<&'a str>],
     /// Values recorded in this cycle at the out-ports that the first in-port reads, directly or through primitives that
     /// [pass objects on](passes_on).
     pub origins: &'a [&'a [u64]],
-    /// Parameters in the order of the declaration.
+    /// Values of the parameters, in the order of the declaration.
     pub params: &'a [Value],
-    /// What we compute.
+    /// Computed value.
     pub computed: Option<&'a [u64]>,
-    /// What was recorded.
+    /// Recorded value.
     pub recorded: Recorded<'a>,
-    /// True if the fragment around was inactive in the previous cycle.
+    /// Whether the enclosing fragment was inactive in the previous cycle.
     pub after_pause: bool,
-    /// True if an in-port reads, directly or through primitives that [pass objects on](passes_on), a value that
+    /// Whether an in-port reads, directly or through primitives that [pass objects on](passes_on), a value that
     /// [`When::AliasedSource`] explains in this cycle.
     pub reads_aliased: bool,
 }
 
 impl Case<'_> {
-    /// The value of an in-port, if it was present.
+    /// Returns the value of the in-port with index `k`; `None` if it is absent.
     fn input<T: Flow>(&self, k: usize) -> Option<T> {
         let cells = self.inputs.get(k).copied().flatten()?;
         (cells.len() >= T::CELLS).then(|| T::load(cells, 0))
     }
 }
 
-/// In-ports that recorded nets connect though the primitive has no use for them, with their types.
+/// In-ports that recorded nets connect although the primitive does not have them, with their types.
 pub const EXTRA_IN_PORTS: &[(&str, &str)] = &[("Core::IntArrayIsNull", "inNull")];
 
-/// True if a primitive of the reference hands on the object that it reads, instead of a value of its own.
+/// Returns whether a primitive of the reference outputs the object that it reads, not a copy.
 #[must_use]
 pub fn passes_on(name: &str) -> bool {
     const HAND_ON: [&str; 7] = [
@@ -149,13 +150,14 @@ pub fn passes_on(name: &str) -> bool {
     HAND_ON.iter().any(|pattern| matches(pattern, name))
 }
 
-/// True if some entry speaks of an out-port: its recorded value may be taken over in some cycle.
+/// Returns whether an entry applies to an out-port, so that its recorded value may be accepted in some cycle.
 #[must_use]
 pub fn concerns(desc: &PrimDesc, port: usize) -> bool {
     DIFFERENCES.iter().any(|entry| entry.speaks_of(desc, port))
 }
 
-/// The entry that explains a difference. `same` tells whether two values of the port are equal within the tolerance.
+/// Returns the entry that explains a difference. `same` returns whether two values of the port are equal within the
+/// tolerance.
 #[must_use]
 pub fn explain(
     case: &Case<'_>,
@@ -168,7 +170,7 @@ pub fn explain(
 }
 
 impl Difference {
-    /// True if it concerns an out-port.
+    /// Returns whether the entry applies to an out-port.
     #[must_use]
     pub fn speaks_of(&self, desc: &PrimDesc, port: usize) -> bool {
         let Some(port) = desc.outputs.get(port).map(|out| out.name) else {
@@ -199,7 +201,7 @@ impl When {
     }
 }
 
-/// True if a name fits a pattern in which one `*` stands for any text.
+/// Returns whether a name matches a pattern in which one `*` matches any text.
 fn matches(pattern: &str, name: &str) -> bool {
     match pattern.split_once('*') {
         None => pattern == name,

@@ -1,8 +1,8 @@
-//! The table of differences.
+//! Table of differences.
 
 use super::{Difference, When, faults};
 
-/// All differences. The first entry that explains a value counts.
+/// All differences. If several entries explain a value, the first one applies.
 pub const DIFFERENCES: &[Difference] = &[
     Difference {
         name: "sine-is-cosine",
@@ -28,7 +28,7 @@ pub const DIFFERENCES: &[Difference] = &[
         ports: &["outAxis"],
         when: When::Gives(faults::rotation_axis),
         fault: "takes the z component of the axis from the wrong elements of the rotation matrix (r10 - r02)",
-        right: "the axis stays where it is under the rotation",
+        right: "the rotation leaves its axis unchanged",
         test: "a_rotation_leaves_its_axis_where_it_is",
     },
     Difference {
@@ -45,8 +45,8 @@ pub const DIFFERENCES: &[Difference] = &[
         types: &["World::FrameLerp"],
         ports: &["outValue"],
         when: When::Gives(faults::lerp),
-        fault: "turns about the wrong axis (see rotation-axis), so it does not arrive at the second pose",
-        right: "the shortest way from the first to the second orientation",
+        fault: "rotates about the wrong axis (see rotation-axis) and does not reach the second pose",
+        right: "the shortest arc from the first to the second orientation",
         test: "interpolated_poses_start_and_end_where_they_should",
     },
     Difference {
@@ -54,8 +54,8 @@ pub const DIFFERENCES: &[Difference] = &[
         types: &["World::TwistFromFrames"],
         ports: &["outValue"],
         when: When::Gives(faults::twist_from_frames),
-        fault: "gives an angular velocity about the wrong axis (see rotation-axis)",
-        right: "the velocity leads from the first to the second pose in one period",
+        fault: "computes an angular velocity about the wrong axis (see rotation-axis)",
+        right: "the velocity moves from the first to the second pose in one period",
         test: "a_twist_from_two_frames_leads_from_one_to_the_other",
     },
     Difference {
@@ -63,8 +63,8 @@ pub const DIFFERENCES: &[Difference] = &[
         types: &["World::FrameOTG"],
         ports: &["outPos", "outVel"],
         when: When::Gives(faults::frame_otg),
-        fault: "turns about the wrong axis (see rotation-axis)",
-        right: "turns on the shortest way to the goal",
+        fault: "rotates about the wrong axis (see rotation-axis)",
+        right: "rotates along the shortest arc to the goal",
         test: "poses_generated_online_arrive",
     },
     Difference {
@@ -72,7 +72,7 @@ pub const DIFFERENCES: &[Difference] = &[
         types: &["World::RotationBezier"],
         ports: &["outValue"],
         when: When::Always,
-        fault: "interpolates about wrong axes (see rotation-axis), so it does not arrive at the second rotation",
+        fault: "interpolates about wrong axes (see rotation-axis) and does not reach the second rotation",
         right: "starts and ends at the given rotations with the given velocities",
         test: "a_curve_of_rotations_keeps_its_ends_and_velocities",
     },
@@ -81,8 +81,8 @@ pub const DIFFERENCES: &[Difference] = &[
         types: &["World::RotationFromQuaternion"],
         ports: &["outValue"],
         when: When::Gives(faults::from_quaternion),
-        fault: "takes the angle from w as it is, without scaling to unit length (not a number for w above 1), and drops rotations below half a degree",
-        right: "every quaternion that is not 0 stands for the rotation of the unit quaternion in its direction",
+        fault: "does not normalise the quaternion (not a number for w above 1) and ignores rotations below half a degree",
+        right: "every quaternion other than 0 is normalised",
         test: "small_and_unscaled_quaternions_are_rotations",
     },
     Difference {
@@ -90,7 +90,7 @@ pub const DIFFERENCES: &[Difference] = &[
         types: &["World::RotationAverage"],
         ports: &["outValue"],
         when: When::Gives(faults::newest),
-        fault: "divides 1 by the number of values as integers and so gives the newest value",
+        fault: "divides 1 by the number of values as integers and so outputs the newest value",
         right: "the mean of the window",
         test: "the_mean_of_rotations_lies_between_them",
     },
@@ -108,8 +108,8 @@ pub const DIFFERENCES: &[Difference] = &[
         types: &["Core::IntFromDouble"],
         ports: &["outValue"],
         when: When::Gives(faults::saturated),
-        fault: "has 32-bit integers and saturates at their ends, and not-a-number becomes 0",
-        right: "64-bit integers; what does not fit, and not-a-number, is a fault that ends the command",
+        fault: "has 32-bit integers and saturates; not-a-number becomes 0",
+        right: "64-bit integers; a value out of range, or not-a-number, is a fault that ends the command",
         test: "conversions_to_integers_are_exact_or_faults",
     },
     Difference {
@@ -144,8 +144,8 @@ pub const DIFFERENCES: &[Difference] = &[
         types: &["Core::OTG"],
         ports: &["outPos", "outVel", "outAcc"],
         when: When::Gives(faults::otg_from_zero),
-        fault: "without a current velocity takes the axis to have come from position 0 within the first period",
-        right: "at rest where nothing is known yet",
+        fault: "without a current velocity, assumes a motion from position 0 within the first period",
+        right: "starts at rest if no velocity is known yet",
         test: "online_trajectories_start_at_rest",
     },
     Difference {
@@ -153,8 +153,8 @@ pub const DIFFERENCES: &[Difference] = &[
         types: &["Core::OTG"],
         ports: &["outPos", "outVel", "outAcc"],
         when: When::Gives(faults::otg_without_acceleration),
-        fault: "divides by a largest acceleration of 0: all outputs are not a number",
-        right: "the velocity stays as it is",
+        fault: "divides by a maximum acceleration of 0: all outputs are not a number",
+        right: "the velocity does not change",
         test: "online_trajectories_without_acceleration_keep_their_velocity",
     },
     Difference {
@@ -162,8 +162,8 @@ pub const DIFFERENCES: &[Difference] = &[
         types: &["Core::CubicBezier", "Core::DoubleBezier"],
         ports: &["outValue"],
         when: When::NotAllConnected,
-        fault: "gives nothing unless all in-ports are connected, though parameters stand in",
-        right: "parameters stand in for ports that are not connected",
+        fault: "has no output unless all in-ports are connected, although parameters replace them",
+        right: "parameters replace ports that are not connected",
         test: "curves_take_their_parameters",
     },
     Difference {
@@ -175,7 +175,7 @@ pub const DIFFERENCES: &[Difference] = &[
         ],
         ports: &["outNone", "outAll", "outAmount", "outCount", "outValue"],
         when: When::NothingRecorded,
-        fault: "fails with an exception (an index out of range or a division by zero), which ends its control core",
+        fault: "fails with an exception (an index out of range or a division by zero), which terminates its control core",
         right: "counts and means over the window",
         test: "windows_count_and_average",
     },
@@ -195,7 +195,7 @@ pub const DIFFERENCES: &[Difference] = &[
         ],
         ports: &["outValue"],
         when: When::AliasedSource,
-        fault: "keeps a reference to an object that its producer overwrites, and so does not delay (of a frame, only the rotation)",
+        fault: "keeps a reference to an object that its producer overwrites, and so does not delay (for a frame, this affects only the rotation)",
         right: "the value of the earlier cycle",
         test: "delays_delay_every_type",
     },
@@ -213,7 +213,7 @@ pub const DIFFERENCES: &[Difference] = &[
         types: &["Core::*Pre", "World::*Pre"],
         ports: &["outValue"],
         when: When::FirstCycleAfterPause,
-        fault: "gives nothing in the first cycle after its fragment was inactive",
+        fault: "has no output in the first cycle after its fragment was inactive",
         right: "the value of the last cycle in which the fragment was active",
         test: "delays_delay_every_type",
     },
@@ -222,8 +222,8 @@ pub const DIFFERENCES: &[Difference] = &[
         types: &["Core::EdgeDetection"],
         ports: &["outValue"],
         when: When::Gives(faults::no_edge),
-        fault: "compares the object of a device input with itself and so sees no edge of it",
-        right: "the first cycle with another value",
+        fault: "compares the object of a device input with itself and so detects no edge",
+        right: "true in the first cycle with another value",
         test: "edges_are_seen",
     },
     Difference {

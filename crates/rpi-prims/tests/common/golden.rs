@@ -1,12 +1,12 @@
-//! Primitives by example: lines of inputs and what must come out.
+//! Examples of primitives: inputs and expected outputs.
 
 use super::{Rig, near, reals};
 use rpi_image::{Scalar, Type, Value};
 
-/// One line: primitive, inputs, outputs.
+/// Example: primitive, inputs, expected outputs.
 pub(crate) type Line<'a> = (&'a str, &'a [Value], &'a [Value]);
 
-/// Runs each line on a bench of its own.
+/// Runs each example on its own test bench.
 pub(crate) fn check(lines: &[Line<'_>]) {
     for (name, inputs, outputs) in lines {
         let mut rig = Rig::new(name, &[]);

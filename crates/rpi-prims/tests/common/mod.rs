@@ -1,6 +1,6 @@
-//! One primitive on a bench of its own: inputs in, a cycle, outputs out.
+//! Test bench of one primitive: sets inputs, runs a cycle and returns outputs.
 
-// Each test binary uses its part of this.
+// Each test binary uses only a part of this module.
 #![allow(dead_code)]
 
 pub(crate) mod golden;
@@ -9,17 +9,17 @@ use rpi_image::{ParamType, PortType, Presence, Scalar, ShapeArgs, SizeArgs, Stat
 use rpi_prims::operand::Flow;
 use rpi_prims::{Clock, Cx, FaultCode, NoDevices, Prim, PrimId};
 
-/// Period of the bench, seconds.
+/// Period of the test bench, s.
 pub(crate) const DT: f64 = 0.01;
 
-/// Which form of the code runs where both exist.
+/// Form of the code to run if both exist.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Form {
     Total,
     Optional,
 }
 
-/// A primitive with its memory.
+/// Primitive with its memory.
 pub(crate) struct Rig {
     prim: &'static Prim,
     form: Form,
@@ -28,7 +28,7 @@ pub(crate) struct Rig {
     inputs: Vec<Slot>,
     outputs: Vec<Slot>,
     cycle: u64,
-    /// The first fault of the last cycle.
+    /// First fault of the last cycle.
     pub(crate) fault: Option<FaultCode>,
 }
 
@@ -40,7 +40,7 @@ struct Slot {
 }
 
 impl Rig {
-    /// A primitive with parameters by name, arrays of three values and matrices of three rows and columns.
+    /// Creates a bench for a primitive with parameters by name, arrays of length 3 and matrices of 3 by 3.
     pub(crate) fn new(name: &str, params: &[(&str, Value)]) -> Rig {
         Rig::with_form(name, params, Form::Optional)
     }
@@ -131,12 +131,12 @@ impl Rig {
         }
     }
 
-    /// Types of the in-ports.
+    /// Returns the types of the in-ports.
     pub(crate) fn types(&self) -> Vec<Type> {
         self.inputs.iter().map(|s| s.ty).collect()
     }
 
-    /// One cycle. A strict primitive is not run where an input is absent, as in the core.
+    /// Runs one cycle. As in the core, a strict primitive does not run if an input is absent.
     pub(crate) fn step(&mut self, inputs: &[Option<Value>]) -> Vec<Option<Value>> {
         assert_eq!(inputs.len(), self.inputs.len(), "{}", self.prim.desc.name);
         for (slot, value) in self.inputs.iter().zip(inputs) {
@@ -157,7 +157,7 @@ impl Rig {
             .collect()
     }
 
-    /// One cycle with all inputs present, which must give the outputs.
+    /// Runs one cycle with all inputs present. All outputs must be present.
     pub(crate) fn give(&mut self, inputs: &[Value]) -> Vec<Value> {
         let inputs: Vec<_> = inputs.iter().cloned().map(Some).collect();
         self.step(&inputs)
@@ -230,7 +230,7 @@ fn values(prim: &Prim, given: &[(&str, Value)]) -> Vec<Value> {
     prim.desc.params.iter().map(one).collect()
 }
 
-/// A value of a flow type.
+/// Creates a value of a flow type.
 pub(crate) fn of<T: Flow>(value: T) -> Value {
     let mut cells = vec![0; T::CELLS];
     value.store(&mut cells, 0);
@@ -240,13 +240,13 @@ pub(crate) fn of<T: Flow>(value: T) -> Value {
     }
 }
 
-/// The flow in a value.
+/// Returns the Rust value of a value.
 pub(crate) fn get<T: Flow>(value: &Value) -> T {
     assert_eq!(value.ty(), Some(Type::One(T::SCALAR)));
     T::load(value.cells(), 0)
 }
 
-/// An array of values.
+/// Creates an array.
 pub(crate) fn array<T: Flow>(values: &[T]) -> Value {
     let cells = values
         .iter()
@@ -258,7 +258,7 @@ pub(crate) fn array<T: Flow>(values: &[T]) -> Value {
     }
 }
 
-/// A matrix, row by row.
+/// Creates a matrix, row by row.
 pub(crate) fn matrix<const R: usize, const C: usize>(rows: [[f64; C]; R]) -> Value {
     let cells = rows.iter().flatten().map(|v| v.to_bits()).collect();
     Value::Cells {
@@ -267,12 +267,12 @@ pub(crate) fn matrix<const R: usize, const C: usize>(rows: [[f64; C]; R]) -> Val
     }
 }
 
-/// Reals of a value.
+/// Returns the reals of a value.
 pub(crate) fn reals(value: &Value) -> Vec<f64> {
     value.cells().iter().map(|c| f64::from_bits(*c)).collect()
 }
 
-/// Asserts that two lists of reals agree to 1e-12.
+/// Asserts that two lists of reals are equal within 1e-12.
 #[track_caller]
 pub(crate) fn near(a: &[f64], b: &[f64]) {
     let close = a.len() == b.len()
@@ -282,7 +282,7 @@ pub(crate) fn near(a: &[f64], b: &[f64]) {
     assert!(close, "{a:?} is not {b:?}");
 }
 
-/// All scalar types of the reference system with the prefix of their operations.
+/// Scalar types of the reference system, each with the prefix of its operations.
 pub(crate) const TYPES: [(&str, Scalar); 8] = [
     ("Core::Boolean", Scalar::Bool),
     ("Core::Int", Scalar::Int),

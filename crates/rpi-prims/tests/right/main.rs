@@ -1,4 +1,4 @@
-//! What is right where the reference is not: a test for each entry of the table of differences.
+//! Tests of the correct behaviour where the reference system is wrong, one for each entry of the table of differences.
 
 #[path = "../common/mod.rs"]
 mod common;

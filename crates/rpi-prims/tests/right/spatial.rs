@@ -1,4 +1,4 @@
-//! Rotations and poses.
+//! Tests of rotations and poses.
 
 use crate::common::{self, Rig, get, near, of};
 use crate::one;
@@ -6,7 +6,7 @@ use rpi_prims::flow::{Pose, Rotation, Twist, Vector};
 use rpi_prims::geometry;
 use std::f64::consts::FRAC_PI_2;
 
-/// Rotations in all octants, and some about one axis.
+/// Returns rotations in all octants and some about one axis.
 fn rotations() -> Vec<Rotation> {
     let angles = [-2.9, -1.0, 0.0, 0.3, 1.4];
     let abc = angles

@@ -1,4 +1,4 @@
-//! A net's primitives laid out in cells, each fed with the recorded values of its sources.
+//! Layout of the primitives of a net in memory slots. Inputs are the recorded values of their sources.
 
 use crate::graph::{connect_reads, in_order, origins};
 use crate::net;
@@ -8,10 +8,10 @@ use rpi_image::{Need, PortType, Role, ShapeArgs, SizeArgs, State, Type, Value};
 use rpi_prims::{Prim, PrimId};
 use std::collections::HashMap;
 
-/// Period of all recorded nets, seconds.
+/// Period of all recorded nets, s.
 pub(crate) const PERIOD: f64 = 0.025;
 
-/// A value in the cells; a presence cell follows, and one that tells of a recorded text that is no such value.
+/// Location of a value: value slots, then a presence slot, then a slot that marks a recorded text of another type.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Slot {
     pub(crate) ty: Type,
@@ -25,7 +25,7 @@ impl Slot {
     }
 }
 
-/// An out-port: what we compute and what was recorded.
+/// Out-port: computed value and recorded value.
 #[derive(Debug)]
 pub(crate) struct Out {
     pub(crate) port: &'static str,
@@ -35,7 +35,7 @@ pub(crate) struct Out {
     pub(crate) name: String,
 }
 
-/// A primitive of the net, ready to run.
+/// Primitive of a net, ready to run.
 #[derive(Debug)]
 pub(crate) struct Node {
     pub(crate) prim: &'static Prim,
@@ -44,22 +44,22 @@ pub(crate) struct Node {
     pub(crate) params: Vec<Value>,
     pub(crate) outs: Vec<Out>,
     pub(crate) gates: Vec<Slot>,
-    /// Nodes that the in-ports read.
+    /// Index of the node that each in-port reads.
     pub(crate) reads: Vec<Option<usize>>,
     /// Recorded out-ports that the first in-port reads, directly or through nodes that pass objects on.
     pub(crate) origins: Vec<Slot>,
-    /// Operand words of the total and of the optional form; each form has a state of its own.
+    /// Operand words of the total and of the optional form. Each form has its own state.
     pub(crate) total: Vec<u32>,
     pub(crate) optional: Vec<u32>,
 }
 
-/// All nodes in dependency order, over one memory.
+/// All nodes in dependency order, in one memory.
 pub(crate) struct Bench {
     pub(crate) cells: Vec<u64>,
     pub(crate) nodes: Vec<Node>,
 }
 
-/// Lays a net out. Names that the registry does not know are errors.
+/// Lays out a net. A name that is not in the registry is an error.
 pub(crate) fn build(prims: &[net::Prim], trace: &Trace) -> Result<Bench, String> {
     let mut builder = Builder {
         bench: Bench {
@@ -140,7 +140,7 @@ impl Builder {
         slot
     }
 
-    /// Stands in for an in-port without a source: never present.
+    /// Returns a slot for an in-port without a source: never present.
     fn absent(&mut self, ty: PortType) -> Slot {
         self.slot(match ty {
             PortType::One(s) => Type::One(s),
@@ -174,7 +174,7 @@ impl Builder {
         let PortType::One(scalar) = ty else {
             return Err(format!("no source {source}"));
         };
-        // Only a delay is laid out before its source.
+        // Only a delay may precede its source.
         if prim.desc.role != Role::Delay {
             return Err(format!("no source {source}"));
         }
@@ -276,7 +276,7 @@ impl Builder {
         }
     }
 
-    /// Delays were laid out before their sources: now these are known. So are the gates.
+    /// Connects delays and gates after the layout, when all their sources are known.
     fn connect_delays(&mut self) {
         for node in &mut self.bench.nodes {
             if let (Role::Delay, Some(Some(source))) = (node.prim.desc.role, node.sources.first()) {

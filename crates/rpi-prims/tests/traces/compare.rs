@@ -1,13 +1,13 @@
-//! When a computed value equals a recorded one.
+//! Equality of computed and recorded values.
 
 use rpi_image::{Scalar, Type};
 
 /// Relative and absolute tolerance.
 const TOLERANCE: f64 = 1e-9;
-/// Tolerance of angles near gimbal lock, where both turn about one axis.
+/// Tolerance of angles near gimbal lock, where two of them rotate about one axis.
 const GIMBAL_TOLERANCE: f64 = 1e-6;
 
-/// True if both values are equal within the tolerance of their type.
+/// Returns whether two values are equal within the tolerance of their type.
 pub(crate) fn equal(ty: Type, ours: &[u64], theirs: &[u64]) -> bool {
     let scalar = match ty {
         Type::One(s) | Type::Array(s, _) => s,
@@ -39,7 +39,7 @@ fn near(a: f64, b: f64) -> bool {
         || (a - b).abs() <= TOLERANCE * (1.0 + a.abs().max(b.abs()))
 }
 
-/// A quaternion and its opposite are one rotation.
+/// Compares rotations. A quaternion and its negative are the same rotation.
 fn rotation(a: &[u64], b: &[u64]) -> bool {
     let dot: f64 = a
         .iter()
@@ -53,7 +53,7 @@ fn rotation(a: &[u64], b: &[u64]) -> bool {
     same(dot.signum()) || dot.is_nan()
 }
 
-/// True if three Euler angles agree modulo full turns.
+/// Returns whether three Euler angles are equal modulo full turns.
 pub(crate) fn euler(a: [f64; 3], b: [f64; 3]) -> bool {
     let locked = (a[1].abs() - std::f64::consts::FRAC_PI_2).abs() < 1e-4;
     let tolerance = if locked { GIMBAL_TOLERANCE } else { TOLERANCE };

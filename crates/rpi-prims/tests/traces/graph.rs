@@ -1,11 +1,11 @@
-//! Which node reads which: order of evaluation, and what lies behind an in-port.
+//! Dependencies between nodes: order of evaluation, and sources behind an in-port.
 
 use crate::bench::{Node, Slot};
 use crate::net;
 use rpi_prims::differences;
 use std::collections::{HashMap, HashSet};
 
-/// Sources before readers; the source of a delay counts as earlier.
+/// Returns the primitives with sources before their readers. The source of a delay may come later.
 pub(crate) fn in_order(prims: &[net::Prim]) -> Vec<&net::Prim> {
     let index: HashMap<&str, &net::Prim> = prims.iter().map(|p| (p.path.as_str(), p)).collect();
     let mut order = Vec::new();
@@ -40,7 +40,7 @@ fn visit<'a>(
     order.push(prim);
 }
 
-/// Which node each in-port reads.
+/// Determines the node that each in-port reads.
 pub(crate) fn connect_reads(nodes: &mut [Node]) {
     let ports = nodes
         .iter()
@@ -53,7 +53,7 @@ pub(crate) fn connect_reads(nodes: &mut [Node]) {
     }
 }
 
-/// Recorded out-ports behind the first in-port of a node.
+/// Returns the recorded out-ports behind the first in-port of a node.
 pub(crate) fn origins(nodes: &[Node], node: usize) -> Vec<Slot> {
     let Some(first) = nodes[node].outs.first() else {
         return Vec::new();

@@ -1,4 +1,4 @@
-//! Compares what a node computed with what was recorded.
+//! Comparison of the outputs of a node with the recorded ones.
 
 use crate::bench::{Node, Out, PERIOD, Slot};
 use crate::compare;
@@ -6,7 +6,7 @@ use crate::report::Report;
 use crate::run::value;
 use rpi_prims::differences::{self, Case, Difference, Recorded, When};
 
-/// What is known around a comparison.
+/// Context of a comparison.
 pub(crate) struct Around<'a> {
     pub(crate) id: &'a str,
     pub(crate) cycle: usize,
@@ -15,7 +15,8 @@ pub(crate) struct Around<'a> {
     pub(crate) reads_aliased: bool,
 }
 
-/// Compares the node's outputs with the recorded ones and counts. True if one is explained by an aliased object.
+/// Compares the outputs of a node with the recorded ones and counts the results. Returns whether an output is explained
+/// by an aliased object.
 pub(crate) fn judge(
     around: &Around<'_>,
     node: &Node,
@@ -108,7 +109,7 @@ fn explain(
     differences::explain(&case, |a, b| compare::equal(out.ours.ty, a, b))
 }
 
-/// Euler angles: equal if they are modulo full turns.
+/// Returns whether Euler angles are equal modulo full turns.
 fn angles(node: &Node, cells: &[u64]) -> bool {
     if node.prim.desc.name != "World::RotationToABC" {
         return false;

@@ -1,5 +1,5 @@
-//! Every primitive against the recorded traces of the reference system, one by one: each node of each recorded net is
-//! fed with the recorded values of its sources and must give the recorded values of its out-ports.
+//! Tests of every primitive against the recorded traces of the reference system. Each node of each recorded net gets
+//! the recorded values of its sources and must output the recorded values of its out-ports.
 
 mod bench;
 mod compare;

@@ -1,18 +1,18 @@
-//! A small reader of the recorded nets: fragments, named primitives, no inline ones (the recorded nets have none).
+//! Reader of the recorded nets: fragments and named primitives. Inline primitives do not occur in them.
 
 use std::collections::HashMap;
 
-/// A primitive of a net.
+/// Primitive of a net.
 pub(crate) struct Prim {
-    /// Its name with the names of its fragments, `frag/p1`.
+    /// Name with the names of its fragments, `frag/p1`.
     pub(crate) path: String,
-    /// Registered name of its type.
+    /// Registered name of the type.
     pub(crate) ty: String,
-    /// Connected in-ports with the out-port they read, `frag/p1.outValue`.
+    /// Connected in-ports, each with the out-port that it reads, `frag/p1.outValue`.
     pub(crate) inputs: Vec<(String, String)>,
     /// Parameters as text.
     pub(crate) params: Vec<(String, String)>,
-    /// Out-ports that say whether the fragments around it are active.
+    /// Out-ports that activate the enclosing fragments.
     pub(crate) gates: Vec<String>,
 }
 
@@ -39,14 +39,14 @@ pub(crate) fn read(text: &str) -> Vec<Prim> {
     prims
 }
 
-/// Names with what stands behind them.
+/// Pairs of a name and its text.
 type Pairs = Vec<(String, String)>;
 
 struct Reader<'a> {
     text: &'a str,
     at: usize,
     prims: Vec<Prim>,
-    /// Ports of fragments and the ports behind them.
+    /// Ports of fragments, each with the port that it stands for.
     aliases: HashMap<String, String>,
 }
 
@@ -73,7 +73,7 @@ impl Reader<'_> {
         word.to_owned()
     }
 
-    /// `{ name=Type(...), name={...}(...), outName=source }` below `path`.
+    /// Reads `{ name=Type(...), name={...}(...), outName=source }` below `path`.
     fn fragment(&mut self, path: &str) {
         self.expect(b'{');
         while !self.take(b'}') {
@@ -122,7 +122,7 @@ impl Reader<'_> {
         });
     }
 
-    /// `(inX=source,X='text')`; sources are given relative to `path`.
+    /// Reads `(inX=source,X='text')`. Sources are relative to `path`.
     fn arguments(&mut self, path: &str) -> (Pairs, Pairs) {
         let (mut inputs, mut params) = (Vec::new(), Vec::new());
         self.expect(b'(');

@@ -1,4 +1,4 @@
-//! Parameters of a recorded net as values, and the checks of its names.
+//! Conversion of the parameters of a recorded net to values, and checks of their names.
 
 use crate::net;
 use crate::text;

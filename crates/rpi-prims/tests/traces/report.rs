@@ -1,9 +1,9 @@
-//! What a replay found, by type and port.
+//! Results of a replay, by type and port.
 
 use std::collections::BTreeMap;
 use std::fmt;
 
-/// Counts of one out-port of one type.
+/// Counters of one out-port of one type.
 #[derive(Default)]
 pub(crate) struct Count {
     pub(crate) compared: u64,
@@ -12,7 +12,7 @@ pub(crate) struct Count {
     pub(crate) first: Option<String>,
 }
 
-/// What was compared and what differs.
+/// Compared values and differences.
 #[derive(Default)]
 pub(crate) struct Report {
     pub(crate) nets: u32,
@@ -22,22 +22,22 @@ pub(crate) struct Report {
 }
 
 impl Report {
-    /// A net that could not be laid out.
+    /// Records a net that could not be laid out.
     pub(crate) fn error(&mut self, error: String) {
         self.errors.push(error);
     }
 
-    /// Counts a value that an entry of the table explains.
+    /// Counts a value that an entry of the table of differences explains.
     pub(crate) fn explain(&mut self, difference: &'static str) {
         *self.explained.entry(difference).or_default() += 1;
     }
 
-    /// The counts of an out-port.
+    /// Returns the counters of an out-port.
     pub(crate) fn count(&mut self, ty: &str, port: &'static str) -> &mut Count {
         self.ports.entry((ty.to_owned(), port)).or_default()
     }
 
-    /// True if nothing differs without an explanation.
+    /// Returns whether all differences are explained.
     pub(crate) fn clean(&self) -> bool {
         self.errors.is_empty() && self.ports.values().all(|c| c.differing == 0)
     }

@@ -1,4 +1,4 @@
-//! Runs a laid-out net cycle by cycle and compares.
+//! Runs a net cycle by cycle and compares its outputs.
 
 use crate::bench::{Bench, Node, Out, PERIOD, Slot};
 use crate::judge::{Around, judge};
@@ -9,16 +9,17 @@ use rpi_image::{CommandFlow, Presence, Role};
 use rpi_prims::differences;
 use rpi_prims::{Clock, Cx, NoDevices, RunFn};
 
-/// What one node remembers besides its state.
+/// History of a node besides its state.
 #[derive(Default)]
 struct Past {
-    /// Cells and presence of a delay's input in the last active cycle.
+    /// Value slots and presence of the input of a delay in the last active cycle.
     delayed: Option<Vec<u64>>,
-    /// An input was absent in some cycle: the total form has left the optional one.
+    /// Whether an input was absent in some cycle. From then on, the states of the total and the optional form may
+    /// differ.
     had_absence: bool,
-    /// The fragment was active in the last cycle.
+    /// Whether the fragment was active in the last cycle.
     was_active: bool,
-    /// A value of this cycle may be that of an object which has changed since.
+    /// Whether a value of this cycle may be that of an object that has changed since.
     aliased: bool,
 }
 
@@ -67,7 +68,7 @@ fn clock(trace: &Trace, cycle: usize) -> Clock {
     }
 }
 
-/// Puts the recorded value of a cycle into its slot.
+/// Writes the recorded value of a cycle to its slot.
 fn load(cells: &mut [u64], out: &Out, trace: &Trace, cycle: usize) {
     let text = trace
         .ports
@@ -86,14 +87,14 @@ pub(crate) fn value(cells: &[u64], slot: Slot) -> Option<&[u64]> {
     (cells[slot.presence] != 0).then(|| &cells[slot.range()])
 }
 
-/// Only an explicit false stops a fragment in the reference system.
+/// Returns whether a node is active. In the reference system, only an explicit false deactivates a fragment.
 fn active(node: &Node, cells: &[u64]) -> bool {
     node.gates
         .iter()
         .all(|gate| value(cells, *gate) != Some(&[0]))
 }
 
-/// Computes the node's outputs; false where they come from outside.
+/// Computes the outputs of a node. Returns false if they come from outside.
 fn evaluate(node: &Node, past: &mut Past, cells: &mut [u64], clock: Clock) -> bool {
     match node.prim.desc.role {
         Role::Compute => compute(node, past, cells, clock),

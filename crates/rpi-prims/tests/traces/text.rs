@@ -1,10 +1,10 @@
-//! Values in the reference's text form, as cells.
+//! Conversion of values in the text form of the reference system to slots.
 
 use rpi_image::{Scalar, Type};
 use rpi_prims::geometry;
 
-/// The cells of a value; `None` if the text has another shape: a matrix is recorded as an object's identity, and an array
-/// of the reference may hold absent elements.
+/// Returns the slots of a value; `None` if the text has another form. A matrix is recorded as the identity of an
+/// object, and an array of the reference may contain absent elements.
 pub(crate) fn cells(ty: Type, text: &str) -> Option<Vec<u64>> {
     let (scalar, count) = match ty {
         Type::One(s) => (s, 1),
@@ -30,7 +30,7 @@ fn words_of(scalar: Scalar) -> usize {
     }
 }
 
-/// How many values the text of an array holds.
+/// Returns the number of values in the text of an array.
 pub(crate) fn array_len(text: &str) -> u32 {
     let inner = text.trim_start_matches('[').trim_end_matches(']');
     let mut depth = 0;
@@ -42,7 +42,7 @@ pub(crate) fn array_len(text: &str) -> u32 {
     commas + u32::from(!inner.is_empty())
 }
 
-/// `[{pos:{x:1.0,y:2.0},...}]` without brackets and labels.
+/// Splits `[{pos:{x:1.0,y:2.0},...}]` into numbers without brackets and labels.
 fn words(text: &str) -> Vec<&str> {
     text.split(['{', '}', '[', ']', ','])
         .filter_map(|word| word.rsplit(':').next())

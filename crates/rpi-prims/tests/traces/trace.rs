@@ -1,4 +1,4 @@
-//! A recorded trace: which port had which value in which cycle.
+//! Recorded trace: values of ports by cycle.
 
 use std::collections::BTreeMap;
 
@@ -8,11 +8,11 @@ pub(crate) struct Trace {
     pub(crate) start_ms: i64,
     /// Number of recorded cycles.
     pub(crate) cycles: usize,
-    /// Text of a port in each cycle from 1 on (index 0 is cycle 1); `None` where it was absent.
+    /// Text of a port in each cycle; index 0 is cycle 1. `None` if it is absent.
     pub(crate) ports: BTreeMap<String, Vec<Option<String>>>,
 }
 
-/// Reads `cycle, port, value` lines.
+/// Reads the lines `cycle, port, value`.
 pub(crate) fn read(text: &str) -> Trace {
     let mut trace = Trace {
         start_ms: 0,

@@ -1,4 +1,4 @@
-//! Clocks of calls: what a callee's ports tick by, as the caller sees it.
+//! Clocks of calls: the clocks of the ports of the callee, as seen by the caller.
 
 use std::rc::Rc;
 
@@ -6,7 +6,7 @@ use rpi_sema::typed::{Activation, Call, ExprId, FlowId, Kind, Place, Unit, UnitK
 
 use super::{Clock, Decider, Finder, Sampling, base, common};
 
-/// The call that an expression is.
+/// Returns the call if an expression is one.
 pub(crate) fn call_of(kind: &Kind) -> Option<&Call> {
     match kind {
         Kind::Call(call) => Some(call),
@@ -15,13 +15,13 @@ pub(crate) fn call_of(kind: &Kind) -> Option<&Call> {
 }
 
 impl<'p> Finder<'p> {
-    /// The clock of a leaf of what a call gives: that of the out-port, seen from the caller.
+    /// Returns the clock of a leaf of the result of a call: that of the out-port, seen from the caller.
     pub(super) fn call(&mut self, id: ExprId, call: &Call, k: usize) -> Clock {
         let callee = &self.units[call.unit.0 as usize];
         let mut runs = self.runs(call);
         let port = self.port(call, callee, k).filter(|port| !port.is_empty());
-        // A callee with state that no argument gives a clock has its first cycle where the caller has it, as if its result
-        // had a name. In Lustre such a call has the clock of what reads it.
+        // A callee with state and without clocked arguments has its first cycle in that of the caller, as if its result
+        // had a name. In Lustre such a call adopts the clock of its reader.
         let has_own_start = self.has_starts && callee.has_state && !self.unit.is_lustre;
         let is_needed = port.is_some() && self.is_settled;
         if (is_needed || has_own_start) && runs.is_none() {
@@ -34,8 +34,8 @@ impl<'p> Finder<'p> {
         }
     }
 
-    /// The clock of an out-port in the callee. A fragment's results are optional flows of the surroundings (M4.2), and so
-    /// are those of a call that keeps them between its runs (M4.10).
+    /// Returns the clock of an out-port in the callee. The results of a fragment are optional flows of the caller
+    /// (M4.2), and so are those of a call that holds them between its runs (M4.10).
     fn port(&self, call: &Call, callee: &Unit, mut k: usize) -> Clock {
         let kept = matches!(call.activation, Activation::Condact { .. });
         if kept || callee.kind == UnitKind::Fragment {
@@ -52,7 +52,8 @@ impl<'p> Finder<'p> {
         None
     }
 
-    /// The clock by which a call runs: what its arguments have in common, each without what its port is sampled by.
+    /// Returns the clock on which a call runs: the common prefix of the clocks of its arguments, each without the
+    /// sampling of its port.
     fn runs(&self, call: &Call) -> Clock {
         let callee = &self.units[call.unit.0 as usize];
         let mut clocks = Vec::new();
@@ -70,21 +71,21 @@ impl<'p> Finder<'p> {
         common(clocks.into_iter())
     }
 
-    /// The clock of an in-port in the callee.
+    /// Returns the clock of an in-port in the callee.
     fn of_port(&self, call: &Call, port: FlowId) -> Rc<[Sampling]> {
         let clocks = self.known[call.unit.0 as usize].as_ref();
         let clock = clocks.and_then(|clocks| clocks.flows[port.0 as usize].first()?.clone());
         clock.unwrap_or_else(|| Rc::new([]))
     }
 
-    /// The clock of an argument that has none of its own.
+    /// Returns the clock of an argument that has none of its own.
     pub(super) fn of_argument(&self, id: ExprId, call: &Call, number: usize) -> Clock {
         let port = self.units[call.unit.0 as usize].inputs[number];
         let runs = self.found.calls[id.0 as usize].clone()?;
         Some(self.seen(id, call, runs.to_vec(), &self.of_port(call, port)))
     }
 
-    /// A clock of the callee behind the clock of the call, by the caller's names.
+    /// Appends a clock of the callee to the clock of the call, with the names of the caller.
     fn seen(
         &self,
         id: ExprId,
@@ -106,7 +107,7 @@ impl<'p> Finder<'p> {
         clock.into()
     }
 
-    /// The flow of the caller that is given for a port, or that takes it.
+    /// Returns the flow of the caller that is passed to an in-port or bound to an out-port.
     fn name(&self, id: ExprId, call: &Call, port: FlowId) -> Option<FlowId> {
         let callee = &self.units[call.unit.0 as usize];
         if let Some(number) = callee.inputs.iter().position(|input| *input == port) {

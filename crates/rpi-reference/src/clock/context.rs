@@ -1,4 +1,4 @@
-//! What has no clock of its own ticks with what reads it.
+//! Expressions without a clock of their own, which adopt the clock of their reader.
 
 use std::rc::Rc;
 
@@ -6,7 +6,7 @@ use rpi_sema::typed::{Block, BlockId, ExprId, Kind, Place, Unit};
 
 use super::{Clock, Finder, base, common, then};
 
-/// For each expression the block it stands in. Conditions of a block stand around it.
+/// Returns, for each expression, the block that contains it. The condition of a block belongs to the enclosing block.
 pub(super) fn blocks(unit: &Unit) -> Vec<BlockId> {
     let mut blocks = vec![BlockId::ROOT; unit.exprs.len()];
     for (id, block) in (0..).map(BlockId).zip(&unit.blocks) {
@@ -21,7 +21,7 @@ pub(super) fn blocks(unit: &Unit) -> Vec<BlockId> {
             }
         }
     }
-    // Operands come before what reads them.
+    // Operands have smaller indices than their readers.
     for id in (0..unit.exprs.len()).rev() {
         let own = blocks[id];
         unit.exprs[id]
@@ -31,7 +31,7 @@ pub(super) fn blocks(unit: &Unit) -> Vec<BlockId> {
     blocks
 }
 
-/// What stands directly in a block.
+/// Returns the expressions directly in a block.
 fn roots(unit: &Unit, block: &Block) -> Vec<ExprId> {
     let mut roots: Vec<ExprId> = block.equations.iter().map(|one| one.value).collect();
     roots.extend(block.claims.iter().map(|claim| claim.condition));
@@ -56,7 +56,7 @@ fn roots(unit: &Unit, block: &Block) -> Vec<ExprId> {
 }
 
 impl Finder<'_> {
-    /// Gives each expression without a clock that of its reader.
+    /// Assigns to each expression without a clock that of its reader.
     pub(super) fn settle(&mut self) {
         for equation in self.unit.blocks.iter().flat_map(|block| &block.equations) {
             let mut first = 0;
@@ -87,7 +87,7 @@ impl Finder<'_> {
         }
     }
 
-    /// Gives the operands of an expression the clock by which it reads them.
+    /// Assigns to the operands of an expression the clock on which it reads them.
     fn hand_down(&mut self, id: ExprId) {
         let expr = self.unit.expr(id);
         let whole = common(self.found.exprs[id.0 as usize].iter().cloned());

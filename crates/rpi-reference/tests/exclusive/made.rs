@@ -1,22 +1,22 @@
-//! Random programs with two optional set-points: some that exclude each other by construction, some that are free to meet.
+//! Random programs with two optional set-points, mutually exclusive by construction or not.
 
 use crate::random::Random;
 use std::fmt::Write as _;
 
-/// The in-ports of all programs.
+/// In-ports of all programs.
 pub(crate) const INPUTS: &str = "b, c, e: bool; n, k: int; x, y: real";
 
-/// A program: equations for `f` and `p`, which are optional.
+/// Program: equations for the optional flows `f` and `p`.
 #[derive(Clone, Debug)]
 pub(crate) struct Made {
     /// Equations.
     body: String,
-    /// Whether `f` and `p` exclude each other by construction.
+    /// Whether `f` and `p` are mutually exclusive by construction.
     pub(crate) is_exclusive: bool,
 }
 
 impl Made {
-    /// A node that tells in each cycle whether both are present.
+    /// Returns a node that outputs in each cycle whether both are present.
     pub(crate) fn node(&self) -> String {
         format!(
             "type Mode = enum {{ A, B, G }};\nnode main ({INPUTS}) returns (both: bool)\nlet\n{}  both = present(f) and present(p);\ntel\n",
@@ -24,7 +24,7 @@ impl Made {
         )
     }
 
-    /// A command that drives two ports of one actuator with them.
+    /// Returns a command that drives two ports of one actuator with them.
     pub(crate) fn command(&self) -> String {
         let inputs = ["b", "c", "e", "n", "k", "x", "y"];
         let reads: String = inputs.iter().map(|i| format!("  {i} = d.{i};\n")).collect();
@@ -35,7 +35,7 @@ impl Made {
     }
 }
 
-/// The program of a seed.
+/// Generates the program of a seed.
 pub(crate) fn made(seed: u64) -> Made {
     let mut maker = Maker {
         random: Random::new(seed),
@@ -73,7 +73,7 @@ impl Maker {
         let _ = writeln!(self.body, "  {name} = {value};");
     }
 
-    /// A new flow with this value.
+    /// Adds a flow with this value and returns its name.
     fn named(&mut self, value: &str) -> String {
         let name = self.name();
         self.equation(&name, value);
@@ -88,7 +88,7 @@ impl Maker {
         ["b", "c", "e"][self.random.below(3)]
     }
 
-    /// A Boolean flow.
+    /// Returns a Boolean expression.
     fn flow(&mut self, depth: usize) -> String {
         let kinds = if depth == 0 { 5 } else { 18 };
         let kind = self.random.below(kinds);
@@ -197,7 +197,7 @@ impl Maker {
         name
     }
 
-    /// Both edges of a flow.
+    /// Returns the conditions for both edges of a flow.
     fn edges(&mut self, depth: usize) -> Vec<String> {
         let flow = self.flow(depth - 1);
         let flow = self.named(&flow);
@@ -207,7 +207,7 @@ impl Maker {
         ]
     }
 
-    /// A counter that starts over behind its last value.
+    /// Adds a counter that wraps after its last value.
     fn counter(&mut self) -> (String, usize) {
         let (name, last) = (self.name(), 2 + self.random.below(6));
         let condition = match self.random.one_in(2) {
@@ -221,7 +221,7 @@ impl Maker {
         (name, last)
     }
 
-    /// Three flows of which one is true, in turn.
+    /// Adds three flows of which exactly one is true, in rotation.
     fn ring(&mut self) -> Vec<String> {
         let names: Vec<String> = (0..3).map(|_| self.name()).collect();
         for k in 0..3 {
@@ -232,7 +232,7 @@ impl Maker {
         names
     }
 
-    /// The number of the state of an automaton with three states.
+    /// Adds an automaton with three states and returns the flow with the number of its state.
     fn automaton(&mut self) -> String {
         let name = self.name();
         let leave = *self.random.pick(&["until", "unless"]);
@@ -262,7 +262,7 @@ impl Maker {
         self.named(&format!("if {first} then A else if {second} then B else G"))
     }
 
-    /// Two conditions that exclude each other, in turn or by what they compare.
+    /// Returns two mutually exclusive conditions.
     fn exclusive(&mut self) -> [String; 2] {
         let mut both = match self.random.below(14) {
             0..=2 => self.negated(),
@@ -346,7 +346,7 @@ impl Maker {
         }
     }
 
-    /// Two latches, each of which keeps the other one from being set.
+    /// Adds two latches, each of which prevents the other from being set.
     fn interlock(&mut self) -> [String; 2] {
         let (left, right) = (self.name(), self.name());
         self.equation(
@@ -360,7 +360,7 @@ impl Maker {
         [left, right]
     }
 
-    /// What excludes each other, some cycles later.
+    /// Returns two mutually exclusive conditions, delayed.
     fn delayed(&mut self) -> [String; 2] {
         let flow = self.flow(1);
         let flow = self.named(&flow);
@@ -369,7 +369,7 @@ impl Maker {
         [later(&flow), later(&second)]
     }
 
-    /// A set-point that is present where a condition holds.
+    /// Returns a set-point that is present where a condition holds.
     fn set_point(&mut self, condition: &str) -> String {
         let more = self.input();
         match self.random.below(6) {

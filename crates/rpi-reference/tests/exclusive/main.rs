@@ -1,7 +1,7 @@
-//! Two set-points of one actuator in one command (M9): what the compiler says of them is compared with runs of the same
-//! equations by the reference interpreter.
+//! Two set-points of one actuator in one command (M9): the diagnostics of the compiler are compared with runs of the
+//! same equations in the reference interpreter.
 //!
-//! A plain run tries a few programs; `RPI_PROGRAMS=10000` tries so many, `RPI_SEED` others.
+//! A plain run tests a few programs; `RPI_PROGRAMS=10000` sets their number, `RPI_SEED` the first seed.
 
 mod made;
 #[path = "../properties/random.rs"]
@@ -13,24 +13,24 @@ use rpi_diag::Code;
 use rpi_driver::{Input, Kind, Typed, compile, typed};
 use rpi_reference::{Leaf, Reference, Value};
 
-/// Programs in a plain run.
+/// Number of programs in a plain run.
 const PROGRAMS: u64 = 200;
-/// The seed of a plain run.
+/// First seed of a plain run.
 const SEED: u64 = 20_261_125;
-/// Runs of each program, and cycles of each run.
+/// Runs per program, and cycles per run.
 const RUNS: u64 = 60;
 const CYCLES: usize = 16;
-/// The period in seconds.
+/// Period in seconds.
 const DT: f64 = 1e-3;
 
-/// What the compiler says of two set-points.
+/// Result of the compiler for two set-points.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Said {
-    /// Nothing: they are proved to exclude each other.
+    /// No diagnostic: they are proved mutually exclusive.
     Exclusive,
-    /// An error: they meet in some run.
+    /// Error: they conflict in some run.
     Together,
-    /// A note: neither is known, each cycle checks it.
+    /// Note: neither is proved; each cycle checks it.
     Open,
 }
 
@@ -47,7 +47,7 @@ fn input(text: &str) -> Input {
     }
 }
 
-/// What the compiler says of the command of a program.
+/// Returns the result of the compiler for the command of a program.
 fn said(made: &Made) -> Said {
     let text = made.command();
     let compiled = compile(&input(&text)).expect("it is text");
@@ -65,7 +65,7 @@ fn said(made: &Made) -> Said {
     }
 }
 
-/// Values that meet often, at the edges sometimes.
+/// Returns a row of inputs: mostly small values, so that conditions often hold, and sometimes extreme ones.
 fn row(random: &mut Random, before: Option<&Vec<Leaf>>) -> Vec<Leaf> {
     let values = (0..7).map(|k| match (before, k) {
         (Some(before), _) if random.one_in(3) => before[k],
@@ -86,7 +86,7 @@ fn row(random: &mut Random, before: Option<&Vec<Leaf>>) -> Vec<Leaf> {
     values.collect()
 }
 
-/// Whether some run has both set-points in one cycle.
+/// Returns whether both set-points are present in the same cycle of some run.
 fn meets(program: &Typed, seed: u64) -> bool {
     let unit = program.unit("main").expect("it has a node");
     (0..RUNS).any(|run| {
@@ -105,7 +105,8 @@ fn meets(program: &Typed, seed: u64) -> bool {
     })
 }
 
-/// How often each answer was given: for programs that are exclusive, that meet in a run, and others.
+/// Number of times each result occurred: for programs exclusive by construction, programs that conflict in a run, and
+/// others.
 #[derive(Default, Debug)]
 struct Counts {
     exclusive: [u64; 3],
@@ -128,7 +129,7 @@ fn look_at(seed: u64, counts: &mut Counts) {
     );
     assert!(
         !(made.is_exclusive && said == Said::Together),
-        "wrongly refused: {}",
+        "wrongly rejected: {}",
         told()
     );
     if said == Said::Open && std::env::var("RPI_TELL").is_ok() {
@@ -142,7 +143,7 @@ fn look_at(seed: u64, counts: &mut Counts) {
     row[said as usize] += 1;
 }
 
-/// The findings of a program in `tests/exclusive`.
+/// Returns the diagnostics of a program in `tests/exclusive`.
 fn findings(text: &str) -> Vec<rpi_diag::Finding> {
     compile(&input(text)).expect("it is text").findings
 }
@@ -195,5 +196,8 @@ fn what_is_said_of_two_set_points_agrees_with_runs() {
     let [proved, _, open] = counts.exclusive;
     assert!(proved >= 9 * open, "too little is proved: {counts:?}");
     let [_, refused, open] = counts.meeting;
-    assert!(refused >= 99 * open, "too much is let pass: {counts:?}");
+    assert!(
+        refused >= 99 * open,
+        "too many conflicts are not reported: {counts:?}"
+    );
 }

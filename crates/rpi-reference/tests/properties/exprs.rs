@@ -1,4 +1,4 @@
-//! Random expressions of a type.
+//! Random expressions of a given type.
 
 use crate::forms::{FORMS, Form, Part, Use};
 use crate::program::Counts;
@@ -6,34 +6,34 @@ use crate::random::Random;
 use crate::tree::{Role, Tree};
 use crate::types::{Kind, Ty};
 
-/// A flow that can be read.
+/// Flow that can be read.
 #[derive(Clone, Debug)]
 pub(crate) struct Flow {
     pub(crate) name: String,
     pub(crate) ty: Ty,
 }
 
-/// What is around an expression.
+/// Context of an expression.
 #[derive(Clone, Debug)]
 pub(crate) struct Scope {
-    /// Flows that are defined before it, or come from outside.
+    /// Flows that are defined before, or are inputs.
     pub(crate) known: Vec<Flow>,
-    /// Flows of its fragment that may be read through a delay.
+    /// Flows of the same fragment that may be read through a delay.
     pub(crate) delayed: Vec<Flow>,
-    /// Whether there may be state.
+    /// Whether state is allowed.
     pub(crate) state: bool,
-    /// The clock that it ticks by: a flow's name, and whether by its being true.
+    /// Clock of the expression: the name of a flow, and the value at which it ticks.
     pub(crate) clock: Option<(String, bool)>,
 }
 
-/// Makes expressions.
+/// Generator of expressions.
 pub(crate) struct Exprs<'r> {
     pub(crate) random: &'r mut Random,
     pub(crate) counts: &'r mut Counts,
 }
 
 impl Exprs<'_> {
-    /// An expression of a type, not much deeper than `depth`.
+    /// Returns an expression of a type, not much deeper than `depth`.
     pub(crate) fn expr(&mut self, scope: &Scope, ty: Ty, depth: usize) -> Tree {
         if depth == 0 || self.random.one_in(6) {
             return self.leaf(scope, ty);
@@ -84,7 +84,7 @@ impl Exprs<'_> {
         Tree::expr(result, form.text, parts)
     }
 
-    /// What is delayed: often a flow that is defined later, or the very one.
+    /// Returns a delayed operand: often a flow that is defined later, or the defined flow itself.
     fn delayed(&mut self, scope: &Scope, ty: Ty, depth: usize) -> Tree {
         let flows = named(&scope.delayed, ty);
         match flows.is_empty() || scope.clock.is_some() || self.random.one_in(3) {
@@ -97,14 +97,14 @@ impl Exprs<'_> {
         }
     }
 
-    /// The name of a flow that others can be sampled by.
+    /// Returns the name of a flow that can be used as a clock.
     pub(crate) fn deciding(&mut self, scope: &Scope) -> Option<String> {
         let deciding = named(&scope.known, Kind::Bool.total());
         let plain: Vec<&&Flow> = deciding.iter().filter(|f| !f.name.contains('.')).collect();
         (!plain.is_empty()).then(|| self.random.pick(&plain).name.clone())
     }
 
-    /// `merge` and `current`: parts that tick by a flow.
+    /// Returns `merge`, `current` or another expression with parts sampled by a flow.
     fn sampled(&mut self, scope: &Scope, ty: Ty, depth: usize) -> Option<Tree> {
         let clock = self.deciding(scope).filter(|_| ty.kind.is_scalar())?;
         let on = |value: bool| Scope {
@@ -130,7 +130,7 @@ impl Exprs<'_> {
             let (chosen, rest) = (Kind::Bool.total(), ty.kind.total());
             let chosen = self.expr(scope, chosen, depth.min(2));
             let rest = self.expr(scope, rest, depth.min(2));
-            // In all cycles: flows on clocks of their own are for the programs of `clocked`.
+            // The result is present in all cycles; flows on other clocks are tested in `clocked`.
             let form = format!("(if ({clock} or @) then {sampled} else @)");
             return Some(Tree::expr(
                 ty,
@@ -154,7 +154,7 @@ impl Exprs<'_> {
         Some(Tree::expr(ty, &form, vec![yes, no]))
     }
 
-    /// A literal or a flow.
+    /// Returns a literal or a flow.
     fn leaf(&mut self, scope: &Scope, ty: Ty) -> Tree {
         if scope.clock.is_some() {
             return self.ticking_leaf(scope, ty);
@@ -171,7 +171,7 @@ impl Exprs<'_> {
         }
     }
 
-    /// A flow, sampled by the clock.
+    /// Returns a flow sampled by the clock.
     fn ticking_leaf(&mut self, scope: &Scope, ty: Ty) -> Tree {
         let flows = named(&scope.known, ty.kind.total());
         let (clock, value) = scope.clock.clone().unwrap_or_default();
@@ -211,7 +211,7 @@ impl Exprs<'_> {
     }
 }
 
-/// The flows that can stand where a type is wanted.
+/// Returns the flows that can be used where a type is expected.
 fn named(flows: &[Flow], ty: Ty) -> Vec<&Flow> {
     let fits = |flow: &&Flow| flow.ty.kind == ty.kind && (ty.optional || !flow.ty.optional);
     let exact = flows.iter().filter(|flow| flow.ty == ty);

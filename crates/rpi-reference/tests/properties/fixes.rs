@@ -1,5 +1,5 @@
-//! Sure fixes keep the meaning: a correct program with one mistake in it is fixed as `rpic check --fix` does. What then
-//! has no errors computes what the program did before the mistake, or what the mistaken one does if it has none, either.
+//! Sure fixes preserve the meaning: a correct program with one mistake is fixed as by `rpic check --fix`. If the result
+//! has no errors, it must compute the same as the correct program, or as the mistaken one if that had no errors either.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -12,12 +12,12 @@ use crate::random::Random;
 use crate::run::{Ready, input};
 use crate::{CYCLES, PROGRAMS, SEED, number};
 
-/// Mistakes that are made in each program.
+/// Number of mistakes per program.
 const MISTAKES: usize = 5;
-/// Rounds of fixes, as `rpic` has them.
+/// Largest number of rounds of fixes, as in `rpic`.
 const ROUNDS: usize = 10;
 
-/// What other languages write for a word or sign.
+/// Equivalents of keywords and operators in other languages.
 const FOREIGN: &[(&str, &[&str])] = &[
     ("and", &["&&", "&", "AND"]),
     ("or", &["||", "|", "OR"]),
@@ -55,7 +55,7 @@ const FOREIGN: &[(&str, &[&str])] = &[
     ("until", &["UNTIL", "when"]),
 ];
 
-/// Mistakes that are put in anywhere.
+/// Tokens that are inserted as mistakes.
 const STRAY: &[&str] = &[
     ";", ",", ")", "(", "--", "//", "#", "%", "[s]", "'", "\"", "->", "=", "not", "pre", "1", "..",
     "let", "tel", "end", "else", "?",
@@ -65,7 +65,7 @@ fn is_word(b: u8) -> bool {
     b.is_ascii_alphanumeric() || b == b'_' || b == b'.'
 }
 
-/// The words and signs of a text: where each begins and ends.
+/// Returns the ranges of the words and operators of a text.
 fn words(text: &str) -> Vec<(usize, usize)> {
     let (mut found, bytes) = (Vec::new(), text.as_bytes());
     let mut at = 0;
@@ -88,7 +88,7 @@ fn words(text: &str) -> Vec<(usize, usize)> {
     found
 }
 
-/// A text with one mistake.
+/// Returns a text with one mistake.
 fn mistaken(text: &str, random: &mut Random) -> String {
     let words = words(text);
     let k = random.below(words.len());
@@ -116,7 +116,7 @@ fn mistaken(text: &str, random: &mut Random) -> String {
     }
 }
 
-/// A number as another language writes it, or another type would have it.
+/// Returns a number in the syntax of another language or of another type.
 fn literal(word: &str, random: &mut Random) -> String {
     let number: u64 = word.parse().unwrap_or(0);
     match random.below(9) {
@@ -132,7 +132,7 @@ fn literal(word: &str, random: &mut Random) -> String {
     }
 }
 
-/// A word with one letter less, more, or two exchanged.
+/// Returns a word with a character removed, doubled or swapped.
 fn misspelt(word: &str, random: &mut Random) -> String {
     let mut letters: Vec<char> = word.chars().collect();
     let k = random.below(letters.len());
@@ -145,7 +145,7 @@ fn misspelt(word: &str, random: &mut Random) -> String {
     letters.into_iter().collect()
 }
 
-/// A text after all sure fixes, if it has no errors then; and whether it had any before.
+/// Applies all sure fixes. Returns the text if it has no errors then, and whether it had any before.
 fn fixed(text: &str, kind: Kind) -> Option<(String, bool)> {
     let (mut text, mut had_errors) = (text.to_owned(), None);
     for _ in 0..ROUNDS {
@@ -161,7 +161,7 @@ fn fixed(text: &str, kind: Kind) -> Option<(String, bool)> {
     None
 }
 
-/// Whether a program with a mistake could be fixed and compared, or what is wrong with that.
+/// Returns whether a program with a mistake could be fixed and compared, or a description of the failure.
 fn holds(correct: &str, kind: Kind, random: &mut Random) -> Result<bool, String> {
     let mistaken = mistaken(correct, random);
     let Some((fixed, had_errors)) = fixed(&mistaken, kind).filter(|(text, _)| *text != mistaken)
@@ -179,7 +179,7 @@ fn holds(correct: &str, kind: Kind, random: &mut Random) -> Result<bool, String>
     same.then_some(true).ok_or_else(told)
 }
 
-/// A correct program.
+/// Returns a correct program.
 fn correct(seed: u64) -> (String, Kind) {
     match seed % 4 {
         0 => (clocked::text(seed, true), Kind::Lustre),

@@ -1,54 +1,54 @@
-//! The forms of expressions: one row for each, with what stands in it. Adding a construct of the language is adding a row.
+//! Forms of expressions, one row per form with its parts. To test another construct of the language, add a row.
 
 use crate::types::Kind::{
     self, Area, Bool, Int, Ints, Length, Mode, Point, Real, Reals, Speed, Time,
 };
 
-/// What stands in a form where it says `@`.
+/// Part of a form, written as `@` in its text.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Part {
-    /// An expression of the result's own type.
+    /// Of the type of the result.
     Own,
-    /// Of this type, optional if the result may be (strict operators lift).
+    /// Of this type; optional if the result may be (strict operators propagate absence).
     Lifted(Kind),
     /// Of this type, always present.
     Total(Kind),
-    /// Always present and of the result's type.
+    /// Of the type of the result, always present.
     OwnTotal,
-    /// Of the result's type, maybe absent.
+    /// Of the type of the result, possibly absent.
     OwnOptional,
-    /// Of this type, maybe absent.
+    /// Of this type, possibly absent.
     Optional(Kind),
-    /// What is delayed: a flow of the result's type, also one that is defined further down.
+    /// Delayed flow of the type of the result, possibly defined later.
     Delayed,
-    /// A flow of the result's type that is declared as optional.
+    /// Flow of the type of the result that is declared optional.
     DelayedOptional,
 }
 
-/// Where a form can be used.
+/// Condition for the use of a form.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Use {
-    /// Everywhere.
+    /// No condition.
     Any,
-    /// Where there may be state.
+    /// State is allowed.
     State,
-    /// Where the result may be absent.
+    /// The result may be absent.
     Absent,
-    /// Where there may be state and the result may be absent.
+    /// State is allowed and the result may be absent.
     StateAbsent,
 }
 
-/// A form of an expression.
+/// Form of an expression.
 #[derive(Debug)]
 pub(crate) struct Form {
-    /// What it is a form of, for the count of constructs.
+    /// Name of the construct, for the statistics.
     pub(crate) name: &'static str,
-    /// Its result; none: any type.
+    /// Type of the result; `None` for any type.
     pub(crate) kind: Option<Kind>,
     pub(crate) text: &'static str,
     pub(crate) parts: &'static [Part],
     pub(crate) used: Use,
-    /// Whether it is a form of flows on a clock, too: all in it ticks together.
+    /// Whether the form can be used on a clock, with all parts on the same clock.
     pub(crate) clocked: bool,
 }
 
@@ -69,7 +69,7 @@ const fn form(
     }
 }
 
-/// A form whose parts tick by one clock.
+/// Defines a form that can be used on a clock.
 const fn ticking(
     name: &'static str,
     kind: Option<Kind>,
@@ -203,7 +203,7 @@ pub(crate) const FORMS: &[Form] = &[
     form("generic type",     Some(Real),   "Same<<type real>>(@)",            &[Total(Real)],                     Any),
 ];
 
-/// What the forms call.
+/// Declarations called by the forms.
 pub(crate) const CALLED: &str = "\
 node Count (x: int) returns (n: int)\nlet\n  n = (0 -> pre n) mod 1000 + x mod 50;\ntel\n\
 type Slot = subrange [-2, 9] of int;\n\

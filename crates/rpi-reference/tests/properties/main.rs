@@ -1,18 +1,18 @@
-//! What must hold of every program, tried on random ones.
+//! Properties of all programs, tested on random ones.
 //!
 //! | file | idea |
 //! |---|---|
 //! | `random.rs` | random numbers |
-//! | `types.rs`, `forms.rs` | the types and the forms of expressions |
+//! | `types.rs`, `forms.rs` | types and forms of expressions |
 //! | `exprs.rs`, `program.rs` | random expressions, random programs |
-//! | `tree.rs` | a program as a tree, and making it smaller |
-//! | `run.rs` | running it both ways |
-//! | `wrapped.rs` | `main` inside of a reset and of a fragment |
-//! | `fixes.rs` | programs with a mistake, and what sure fixes make of them |
-//! | `clocked/` | programs with clocks, each written in several ways |
+//! | `tree.rs` | tree of a program, and its reduction |
+//! | `run.rs` | execution as an image and in the interpreter |
+//! | `wrapped.rs` | `main` inside a restart and inside a fragment |
+//! | `fixes.rs` | programs with a mistake, and the effect of sure fixes |
+//! | `clocked/` | programs with clocks, each in several variants |
 //!
-//! A plain run tries a few programs; `RPI_PROGRAMS=10000` (`cargo xtask soak`) tries so many, `RPI_SEED` others. What
-//! fails is made smaller and printed; its seed is the program's own.
+//! A plain run tests a few programs; `RPI_PROGRAMS=10000` (`cargo xtask soak`) sets their number, `RPI_SEED` the first
+//! seed. A failing program is reduced and printed with its own seed.
 
 mod clocked;
 mod exprs;
@@ -35,11 +35,11 @@ use program::{Counts, program};
 use random::Random;
 use run::Ready;
 
-/// Programs in a plain run.
+/// Number of programs in a plain run.
 const PROGRAMS: u64 = 200;
-/// The seed of a plain run.
+/// First seed of a plain run.
 const SEED: u64 = 20_261_121;
-/// Cycles that each program runs.
+/// Number of cycles of each program.
 const CYCLES: usize = 12;
 
 fn number(name: &str, otherwise: u64) -> u64 {
@@ -47,7 +47,8 @@ fn number(name: &str, otherwise: u64) -> u64 {
     asked.unwrap_or(otherwise)
 }
 
-/// Tries a property on so many programs. It says what does not hold, if the program is one it speaks of.
+/// Tests a property on the given number of programs. The property returns a description of the failure; it returns
+/// success for programs to which it does not apply.
 fn holds_of_all(property: fn(&str, u64) -> Result<(), String>) {
     let (programs, first) = (number("RPI_PROGRAMS", PROGRAMS), number("RPI_SEED", SEED));
     let property = |text: &str, seed: u64| {
@@ -173,7 +174,7 @@ fn every_construct_occurs() {
     );
 }
 
-/// Says what differs.
+/// Compares two values and returns a description of the difference.
 fn alike<T: PartialEq + std::fmt::Debug>(of: &str, expected: &T, found: &T) -> Result<(), String> {
     match expected == found {
         true => Ok(()),

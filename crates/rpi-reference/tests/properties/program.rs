@@ -1,4 +1,4 @@
-//! Random programs: nodes with equations, fragments and automata; a node `main` that is run, and a command.
+//! Random programs: declarations, a node `main` with equations, fragments and automata, and a command.
 
 use std::collections::BTreeMap;
 
@@ -8,7 +8,7 @@ use crate::random::Random;
 use crate::tree::{Role, Tree};
 use crate::types::{KINDS, Kind, PRELUDE, Ty};
 
-/// How often each construct was made.
+/// Number of occurrences of each construct.
 #[derive(Clone, Default, Debug)]
 pub(crate) struct Counts(pub(crate) BTreeMap<&'static str, usize>);
 
@@ -18,7 +18,7 @@ impl Counts {
     }
 }
 
-/// The constructs that are made here and not by a form of expressions.
+/// Constructs generated in this module and not by a form of expressions.
 pub(crate) const STATEMENTS: &[&str] = &[
     "merge",
     "current",
@@ -42,7 +42,7 @@ pub(crate) const STATEMENTS: &[&str] = &[
     "time",
 ];
 
-/// The in-ports of every `main`.
+/// In-ports of every `main`.
 pub(crate) const INPUTS: &[(&str, Kind)] = &[
     ("a", Kind::Int),
     ("b", Kind::Int),
@@ -53,13 +53,13 @@ pub(crate) const INPUTS: &[(&str, Kind)] = &[
     ("m", Kind::Mode),
 ];
 
-/// Writes the parts of one program.
+/// Generator of the parts of one program.
 pub(crate) struct Writer<'r> {
     exprs: Exprs<'r>,
     serial: usize,
 }
 
-/// A random program: what it consists of, and the out-ports of its `main`.
+/// Generates a program: its tree, and the out-ports of its `main`.
 pub(crate) fn program(seed: u64, counts: &mut Counts) -> (Tree, Vec<Flow>) {
     let mut random = Random::new(seed);
     let mut writer = Writer {
@@ -78,7 +78,7 @@ pub(crate) fn program(seed: u64, counts: &mut Counts) -> (Tree, Vec<Flow>) {
     (tree, outputs)
 }
 
-/// What stands in a block: its text, and what it defines.
+/// Content of a block: declarations and statements.
 struct Body {
     declared: Tree,
     statements: Tree,
@@ -129,7 +129,7 @@ impl Writer<'_> {
         }
     }
 
-    /// A command that counts for itself, with a result and what it exports.
+    /// Generates a command with a counter, results and exports.
     fn command(&mut self) -> Tree {
         let mut known = Vec::new();
         let mut tree = Tree::new(Role::Item(0));
@@ -175,7 +175,7 @@ impl Writer<'_> {
         tree
     }
 
-    /// Equations for flows that must be defined, and some of its own around them.
+    /// Generates equations for the required flows and for some local ones.
     fn body(
         &mut self,
         mut known: Vec<Flow>,
@@ -233,7 +233,7 @@ impl Writer<'_> {
         }
     }
 
-    /// Something that is more than an equation; adds what it defines to what is known.
+    /// Generates a statement other than an equation; adds the flows that it defines to `known`.
     fn statement(&mut self, scope: &Scope, known: &mut Vec<Flow>, nesting: usize) -> Tree {
         match self.exprs.random.below(6) {
             0 | 1 => self.fragment(scope, known, nesting),
@@ -247,7 +247,7 @@ impl Writer<'_> {
         }
     }
 
-    /// `fragment F when c let ... tel`
+    /// Generates `fragment F when c let ... tel`.
     fn fragment(&mut self, scope: &Scope, known: &mut Vec<Flow>, nesting: usize) -> Tree {
         let name = self.name("F");
         let restart = self.exprs.random.one_in(2);
@@ -277,7 +277,7 @@ impl Writer<'_> {
         )
     }
 
-    /// `automaton initial state A ... end`: its states define the same flows, or some of them.
+    /// Generates `automaton initial state A ... end`. Its states define the same flows, or some of them.
     fn automaton(&mut self, scope: &Scope, known: &mut Vec<Flow>, nesting: usize) -> Tree {
         self.exprs.counts.add("automaton");
         let count = 2 + self.exprs.random.below(2);
@@ -339,7 +339,7 @@ impl Writer<'_> {
                 .push(Tree::form(Role::Item(0), &form, vec![start]));
         }
         if !is_there {
-            // What is defined behind the automaton would make a ring through it.
+            // Flows defined after the automaton would cause a dependency cycle through it.
             let scope = Scope {
                 delayed: scope.known.clone(),
                 ..scope.clone()
@@ -353,7 +353,7 @@ impl Writer<'_> {
         )
     }
 
-    /// What a state makes of a flow that another one defines: nothing, `none`, what may be absent.
+    /// Generates the definition of a flow that another state defines: nothing, `none`, or a value that may be absent.
     fn partial(&mut self, scope: &Scope, flow: &Flow) -> Tree {
         let value = match self.exprs.random.below(3) {
             0 => return Tree::new(Role::Rest),
@@ -361,7 +361,7 @@ impl Writer<'_> {
                 self.exprs.counts.add("none in a state");
                 Tree::form(Role::Rest, "none", Vec::new())
             }
-            // Which is absent in some cycles, or else the flow of all states would not be optional.
+            // The value must be absent in some cycles; otherwise the flow shared by the states would not be optional.
             _ => {
                 let condition = self.exprs.expr(scope, Kind::Bool.total(), 1);
                 let value = self.exprs.expr(scope, flow.ty, 2);
@@ -404,7 +404,7 @@ impl Writer<'_> {
         )
     }
 
-    /// A call with several out-ports: bound to several names, or to one.
+    /// Generates a call with several out-ports, bound to several names or to one.
     fn several(&mut self, scope: &Scope, known: &mut Vec<Flow>) -> Tree {
         if self.exprs.random.one_in(3)
             && let Some(tree) = self.clocked(scope, known)
@@ -434,7 +434,7 @@ impl Writer<'_> {
         Tree::form(Role::Item(0), &form, vec![x, on])
     }
 
-    /// A call with out-ports of different clocks, bound to one name.
+    /// Generates a call with out-ports of different clocks, bound to one name.
     fn clocked(&mut self, scope: &Scope, known: &mut Vec<Flow>) -> Option<Tree> {
         let deciding = self.exprs.deciding(scope)?;
         self.exprs.counts.add("clocked output");
@@ -449,7 +449,7 @@ impl Writer<'_> {
     }
 }
 
-/// The number in a flow's name, by which its declaration and its equation belong together.
+/// Returns the number in the name of a flow, which links its declaration and its equation.
 fn number(flow: &Flow) -> usize {
     flow.name[1..].parse().unwrap_or(0)
 }

@@ -1,4 +1,4 @@
-//! Running a program in both ways: as an optimised image and by the reference interpreter.
+//! Execution of a program as an optimised image and in the reference interpreter.
 
 use std::sync::Arc;
 
@@ -10,15 +10,15 @@ use rpi_reference::{Leaf, Reference, Stop, Value};
 
 use crate::random::Random;
 
-/// Period of all programs, 1 ms.
+/// Period of all programs in ns: 1 ms.
 const PERIOD_NS: u64 = 1_000_000;
-/// The same in seconds.
+/// Period in seconds.
 const DT: f64 = 1e-3;
 
-/// The cells of the in-ports in each cycle.
+/// Values of the in-ports in each cycle.
 pub(crate) type Rows = Vec<Vec<Value>>;
 
-/// What was seen of a cycle: the out-ports' bits, or nothing where it faulted.
+/// Result of a cycle: the bits of the out-ports, or `None` if it faulted.
 pub(crate) type Seen = Option<Vec<Option<u64>>>;
 
 pub(crate) fn input(text: &str, kind: Kind) -> Input {
@@ -29,25 +29,25 @@ pub(crate) fn input(text: &str, kind: Kind) -> Input {
     }
 }
 
-/// The node `main` of a program, ready to run.
+/// Compiled node of a program.
 pub(crate) struct Ready {
     pub(crate) image: Arc<Image>,
     node: Node,
 }
 
 impl Ready {
-    /// Compiles a node.
+    /// Compiles a node of an RPI program.
     ///
     /// # Errors
-    /// What is wrong with it, in words.
+    /// The messages of the compiler.
     pub(crate) fn new(text: &str, name: &str) -> Result<Ready, String> {
         Ready::of_kind(text, name, Kind::Rpi)
     }
 
-    /// Compiles a node of a program or of Lustre.
+    /// Compiles a node of an RPI or Lustre program.
     ///
     /// # Errors
-    /// What is wrong with it, in words.
+    /// The messages of the compiler.
     pub(crate) fn of_kind(text: &str, name: &str, kind: Kind) -> Result<Ready, String> {
         let made = compile_node(&input(text, kind), Some(name), Claims::Report, false)
             .map_err(|e| e.to_string())?;
@@ -73,12 +73,12 @@ impl Ready {
         })
     }
 
-    /// Number of leaves of the out-ports.
+    /// Returns the number of leaves of the out-ports.
     pub(crate) fn width(&self) -> usize {
         self.node.outputs.len()
     }
 
-    /// Random values for all in-ports, over so many cycles.
+    /// Returns random values for all in-ports and the given number of cycles.
     pub(crate) fn rows(&self, random: &mut Random, cycles: usize) -> Rows {
         let row = |random: &mut Random| {
             let columns = self.node.inputs.iter();
@@ -128,8 +128,8 @@ impl Ready {
     }
 }
 
-/// The bits of a value. There are many that are not a number: IEEE 754 leaves open which of them an operation gives, and so
-/// do processors and compilers; here they are one.
+/// Returns the bits of a value, with a single representation of NaN: IEEE 754 leaves open which NaN an operation
+/// returns, and processors and compilers differ.
 fn plain(ty: Type, bits: u64) -> u64 {
     match ty {
         Type::One(Scalar::Real) if f64::from_bits(bits).is_nan() => f64::NAN.to_bits(),
@@ -137,7 +137,7 @@ fn plain(ty: Type, bits: u64) -> u64 {
     }
 }
 
-/// Values that meet often, at the edges sometimes.
+/// Returns a random value: mostly small ones, so that conditions often hold, and sometimes extreme ones.
 fn value(random: &mut Random, ty: Scalar, values: usize) -> Value {
     let small = random.below(9) as i64 - 3;
     match ty {
@@ -151,18 +151,18 @@ fn value(random: &mut Random, ty: Scalar, values: usize) -> Value {
     }
 }
 
-/// Runs a node by the reference interpreter, up to a fault.
+/// Runs a node in the reference interpreter, up to a fault.
 ///
 /// # Errors
-/// If the interpreter can not.
+/// If the interpreter does not support it.
 pub(crate) fn reference(text: &str, name: &str, rows: &Rows) -> Result<Vec<Seen>, String> {
     reference_of_kind(text, name, rows, Kind::Rpi)
 }
 
-/// Runs a node of a program or of Lustre by the reference interpreter, up to a fault.
+/// Runs a node of an RPI or Lustre program in the reference interpreter, up to a fault.
 ///
 /// # Errors
-/// If the interpreter can not.
+/// If the interpreter does not support it.
 pub(crate) fn reference_of_kind(
     text: &str,
     name: &str,
@@ -200,13 +200,13 @@ fn bits(leaves: &[Leaf]) -> Vec<Option<u64>> {
     leaves.iter().map(|leaf| leaf.map(plain)).collect()
 }
 
-/// What was seen of a cycle of a command: its exports, and the result by which it ended.
+/// Result of a cycle of a command: its exports, and the result with which it ended.
 pub(crate) type Ended = Option<(Vec<Option<u64>>, Option<usize>)>;
 
 /// Runs the command of a program as an image, up to its end.
 ///
 /// # Errors
-/// If there is none.
+/// If there is not exactly one command, or it does not compile.
 pub(crate) fn run_command(text: &str, cycles: usize) -> Result<Vec<Ended>, String> {
     let compiled = compile(&input(text, Kind::Rpi)).map_err(|e| e.to_string())?;
     let [net] = compiled.nets() else {
@@ -239,10 +239,10 @@ pub(crate) fn run_command(text: &str, cycles: usize) -> Result<Vec<Ended>, Strin
     Ok(seen)
 }
 
-/// Runs the command of a program by the reference interpreter, up to its end.
+/// Runs the command of a program in the reference interpreter, up to its end.
 ///
 /// # Errors
-/// If the interpreter can not.
+/// If the interpreter does not support it.
 pub(crate) fn reference_command(text: &str, cycles: usize) -> Result<Vec<Ended>, String> {
     let typed = checked(text, Kind::Rpi)?;
     let unit = typed.unit("Run").ok_or("no command")?;

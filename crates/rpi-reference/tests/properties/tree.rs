@@ -1,34 +1,34 @@
-//! A program as a tree of text: enough to write it, and to make it smaller.
+//! Program as a tree of texts, which can be written and reduced.
 
 use std::collections::BTreeSet;
 
 use crate::types::{Kind, Ty};
 
-/// A piece of a program.
+/// Element of a tree.
 #[derive(Clone, Debug)]
 pub(crate) enum Piece {
-    /// Text as it is.
+    /// Text.
     Text(String),
-    /// A part.
+    /// Subtree.
     Tree(Tree),
 }
 
-/// A part of a program.
+/// Part of a program.
 #[derive(Clone, Debug)]
 pub(crate) struct Tree {
-    /// What it is: decides by what it may be replaced.
+    /// Role, which determines the allowed replacements.
     pub(crate) role: Role,
     pub(crate) pieces: Vec<Piece>,
 }
 
-/// What a part is.
+/// Role of a part.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Role {
-    /// An expression of a type.
+    /// Expression of a type.
     Expr(Ty),
-    /// A statement or declaration, which may be missing: all of one number together, where that is not 0.
+    /// Statement or declaration that can be removed. All items of the same number, unless 0, are removed together.
     Item(usize),
-    /// Anything else.
+    /// Any other part.
     Rest,
 }
 
@@ -40,7 +40,7 @@ impl Tree {
         }
     }
 
-    /// A tree from a form in which `@` stands for the next part.
+    /// Creates a tree from a text in which each `@` stands for the next part.
     pub(crate) fn form(role: Role, form: &str, parts: Vec<Tree>) -> Tree {
         let mut tree = Tree::new(role);
         let mut parts = parts.into_iter();
@@ -87,12 +87,12 @@ impl Tree {
         })
     }
 
-    /// Number of parts of parts.
+    /// Returns the number of nodes of the tree.
     fn size(&self) -> usize {
         1 + self.parts().map(Tree::size).sum::<usize>()
     }
 
-    /// What a part may become: nothing, a literal, or a part of its own that has its type.
+    /// Returns the replacements of a part: nothing, a literal, or one of its own parts of the same type.
     fn smaller(&self) -> Vec<Tree> {
         match self.role {
             Role::Item(0) => vec![Tree::new(Role::Rest)],
@@ -116,7 +116,7 @@ impl Tree {
         }
     }
 
-    /// The tree without the items of a number.
+    /// Returns the tree without the items of a number.
     fn without(&self, number: usize) -> Tree {
         let piece = |piece: &Piece| match piece {
             Piece::Tree(part) => Piece::Tree(part.without(number)),
@@ -138,7 +138,7 @@ impl Tree {
         self.parts().for_each(|part| part.numbers(found));
     }
 
-    /// All trees in which one part has become smaller.
+    /// Returns all trees in which one part is smaller.
     fn candidates(&self) -> Vec<Tree> {
         let mut all: Vec<Tree> = self.smaller();
         for (k, piece) in self.pieces.iter().enumerate() {
@@ -153,10 +153,10 @@ impl Tree {
     }
 }
 
-/// Attempts at making a program smaller.
+/// Largest number of attempts.
 const ATTEMPTS: usize = 3000;
 
-/// The smallest program found that is still `bad`.
+/// Returns the smallest program found that is still `bad`.
 pub(crate) fn shrink(mut tree: Tree, bad: impl Fn(&str) -> bool) -> String {
     let mut left = ATTEMPTS;
     'again: loop {
@@ -181,14 +181,14 @@ pub(crate) fn shrink(mut tree: Tree, bad: impl Fn(&str) -> bool) -> String {
 }
 
 impl Ty {
-    /// Whether an expression of this type may stand where another is wanted.
+    /// Returns whether an expression of this type may be used where another type is expected.
     fn fits(self, wanted: Ty) -> bool {
         self.kind == wanted.kind
             && self.ticking == wanted.ticking
             && (wanted.optional || !self.optional)
     }
 
-    /// The simplest expression of the type.
+    /// Returns the simplest expression of the type.
     pub(crate) fn literal(self) -> &'static str {
         match self.kind {
             Kind::Bool => "false",

@@ -1,6 +1,6 @@
-//! The types of the flows in random programs.
+//! Types of the flows in random programs.
 
-/// A type without presence.
+/// Type without presence.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Kind {
     Bool,
@@ -30,12 +30,12 @@ pub(crate) const KINDS: &[Kind] = &[
     Kind::Reals,
 ];
 
-/// A type: what a flow is, and whether it may be absent.
+/// Type and presence of a flow.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct Ty {
     pub(crate) kind: Kind,
     pub(crate) optional: bool,
-    /// Whether it ticks by a clock of its own.
+    /// Whether it is on a clock.
     pub(crate) ticking: bool,
 }
 
@@ -56,7 +56,7 @@ impl Kind {
         }
     }
 
-    /// As a program writes it.
+    /// Returns the type as written in a program.
     pub(crate) fn text(self) -> &'static str {
         match self {
             Kind::Bool => "bool",
@@ -73,12 +73,12 @@ impl Kind {
         }
     }
 
-    /// Whether it is one value that can be sampled and delayed as one cell.
+    /// Returns whether it is a single value that can be sampled and delayed in one memory slot.
     pub(crate) fn is_scalar(self) -> bool {
         !matches!(self, Kind::Point | Kind::Ints | Kind::Reals)
     }
 }
 
-/// What the types of all random programs lean on.
+/// Type declarations used by all random programs.
 pub(crate) const PRELUDE: &str = "type Mode = enum { Off, Slow, Fast };\n\
     type Point = struct { x: real; n: int };\n";

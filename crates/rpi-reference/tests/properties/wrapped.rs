@@ -1,4 +1,4 @@
-//! `main` inside of something else: a node more at the end of the program.
+//! Wrappers of `main`: an additional node at the end of the program.
 
 use rpi_diag::FileId;
 use rpi_syntax::ast::ItemKind;
@@ -6,7 +6,7 @@ use rpi_syntax::{Mode, parse};
 
 use crate::program::INPUTS;
 
-/// `Again`: `main`, starting afresh when `r`.
+/// Adds the node `Again`, which restarts `main` when `r` is true.
 pub(crate) fn again(text: &str) -> String {
     let outputs = outputs(text);
     let names = names(&outputs);
@@ -17,7 +17,7 @@ pub(crate) fn again(text: &str) -> String {
     )
 }
 
-/// `Inside`: `main` in a fragment that is active when `on`, and a flow beside it that counts.
+/// Adds the node `Inside`: `main` in a fragment that is active when `on` is true, and a counter beside it.
 pub(crate) fn inside(text: &str) -> String {
     let outputs = outputs(text);
     let names = names(&outputs);
@@ -51,7 +51,7 @@ fn given() -> String {
     names.join(", ")
 }
 
-/// The out-ports of `main`, each as it is declared.
+/// Returns the out-ports of `main`, each as declared.
 fn outputs(text: &str) -> Vec<String> {
     let parse = parse(FileId(0), text, Mode::Rpi);
     let main = parse.file.items.iter().find(|item| match &item.kind {

@@ -1,17 +1,17 @@
-//! Delays that grow by a bounded step in each cycle, as counters do: in so many cycles as a command can run they do not
-//! overflow.
+//! Bounds for counters: a delay that changes by a bounded step per cycle does not overflow within the cycles that a
+//! command can run.
 
 use super::known::Known;
 use super::range::Range;
 use super::transfer::Op;
 use crate::net::{Input, NodeId};
 
-/// Cycles of the longest run that is thought of: 139 years of milliseconds.
+/// Number of cycles of the longest run considered: 139 years of 1 ms cycles.
 pub(super) const CYCLES: i128 = 1 << 42;
-/// Nodes between a delay and itself that are looked at.
+/// Maximal number of nodes on the paths from a delay back to itself.
 const NODES: u32 = 64;
 
-/// What a delay takes up, seen from its present value: a step from it, or a value of its own, or either.
+/// Next value of a delay: its current value plus a step, an independent value, or either.
 #[derive(Clone, Copy)]
 struct Next {
     step: Option<(i128, i128)>,
@@ -36,7 +36,7 @@ impl Next {
     }
 }
 
-/// The values that a delay can reach in a run; none if its steps are not bounded.
+/// Range of values that a delay can reach in a run; `None` if its steps are not bounded.
 pub(super) fn growth(known: &Known<'_>, delay: NodeId) -> Option<Range> {
     let mut walk = Walk {
         known,
@@ -86,6 +86,7 @@ impl Walk<'_, '_> {
                         (None, Some(_), Op::Add) => moved(b, a.own?, op)?,
                         _ => return None,
                     };
+                    // A guarded operation returns 0 while its guard is false.
                     let idle = (first == 1).then_some(Range::FALSE);
                     Some(moved.or(Next::of(idle)))
                 }
@@ -95,7 +96,7 @@ impl Walk<'_, '_> {
     }
 }
 
-/// What is added to a step, or taken from it.
+/// Adds a range to a step, or subtracts it.
 fn moved(next: Next, by: Range, op: Op) -> Option<Next> {
     let (down, up) = match op {
         Op::Add => (i128::from(by.lo), i128::from(by.hi)),

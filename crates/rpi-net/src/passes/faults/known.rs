@@ -1,4 +1,4 @@
-//! The range of every integer and Boolean of a net: the least solution, with what grows cut short.
+//! Interval analysis: the range of every integer and Boolean flow of a net. It is the least fixed point, with widening.
 
 use super::growth::growth;
 use super::range::Range;
@@ -9,24 +9,24 @@ use crate::passes::Schedule;
 use rpi_image::Role;
 use std::collections::BTreeSet;
 
-/// Rounds in which delays only take up what comes in; then they go to the next constant of the program.
+/// Number of rounds without widening. Later, the range of a delay is widened to the next constant of the program.
 const EXACT: usize = 4;
-/// Rounds after which what still changes can be anything.
+/// Number of rounds after which a range that still changes is widened to all values.
 const ROUGH: usize = 20;
-/// Rounds after which all delays can be anything.
+/// Number of rounds after which the ranges of all delays are widened to all values.
 const LAST: usize = 40;
-/// Constants of the program at which ranges may stop to grow.
+/// Maximal number of constants of the program used as widening thresholds.
 const STOPS: usize = 256;
 
-/// What is known of the flows of a net.
+/// Ranges of the flows of a net.
 pub(super) struct Known<'a> {
     pub(super) net: &'a Net,
-    /// For each node the range of its only out-port; none while nothing comes there.
+    /// For each node, the range of its only out-port; `None` if it is not reached yet (bottom).
     ranges: Vec<Option<Range>>,
-    /// What holds in each fragment because it is active.
+    /// For each fragment, limits that hold because the fragment is active.
     limits: Vec<Limits>,
     stops: Vec<i64>,
-    /// Delays that grow by a bounded step, cycle by cycle.
+    /// Delays that change by a bounded step per cycle.
     grows: BTreeSet<NodeId>,
 }
 
@@ -61,7 +61,7 @@ impl<'a> Known<'a> {
         for k in 0..self.net.fragments.len() {
             let id = FragmentId(u32::try_from(k).unwrap_or(u32::MAX));
             let mut limits = Limits::new();
-            // Innermost first: what is near says most.
+            // Innermost first, since the nearest conditions are the most specific and the number is limited.
             for around in self.net.enclosing(id).take(8) {
                 if let Activation::When {
                     condition,
@@ -84,7 +84,7 @@ impl<'a> Known<'a> {
         }
     }
 
-    /// Takes up what the delays give in the next cycle; whether that is more than before.
+    /// Updates the ranges of the delays from their inputs. Returns whether one of them changed.
     fn delay(&mut self, delays: &[NodeId], round: usize) -> bool {
         let mut changed = false;
         for id in delays {
@@ -134,7 +134,7 @@ impl<'a> Known<'a> {
         }
     }
 
-    /// A range that has grown goes to the next constant of the program, for there growth often ends.
+    /// Widens a range that has grown to the next constant of the program, where growth often ends.
     fn widened(&self, old: Range, new: Range) -> Range {
         let up = self.stops.partition_point(|stop| *stop < new.hi);
         let down = self.stops.partition_point(|stop| *stop <= new.lo);
@@ -147,12 +147,12 @@ impl<'a> Known<'a> {
         }
     }
 
-    /// What an in-port reads, where its fragment is active; none while nothing comes.
+    /// Range of an in-port while its fragment is active; `None` if it is not reached yet.
     pub(super) fn input(&self, node: &Node, k: usize) -> Option<Range> {
         self.input_where(node, k, &Limits::new())
     }
 
-    /// The same where some limits hold, too.
+    /// Like [`Known::input`], with additional limits.
     pub(super) fn input_where(&self, node: &Node, k: usize, limits: &Limits) -> Option<Range> {
         match node.inputs.get(k)? {
             Input::Const(value) => Range::of_value(value),
@@ -167,7 +167,7 @@ impl<'a> Known<'a> {
         }
     }
 
-    /// The range of a flow; none while nothing comes there.
+    /// Range of a flow; `None` if it is not reached yet.
     pub(super) fn of(&self, port: PortRef) -> Option<Range> {
         let node = self.net.node(port.node);
         match node.outputs.len() {
@@ -177,7 +177,7 @@ impl<'a> Known<'a> {
     }
 }
 
-/// All values that a node may give, if its values are followed.
+/// Range of all values of a node's output; `None` if its type is not analysed.
 pub(super) fn full(node: &Node) -> Option<Range> {
     match node.outputs[..] {
         [one] => Range::of_type(one),
@@ -189,7 +189,7 @@ fn is_delay(node: &Node) -> bool {
     matches!(node.desc().role, Role::Delay)
 }
 
-/// The constants of a net and those beside them, in order.
+/// Constants of a net and their neighbours in ascending order, as widening thresholds.
 fn stops(net: &Net) -> Vec<i64> {
     let mut stops = BTreeSet::from([-1, 0, 1]);
     let inputs = net.nodes.iter().flat_map(|node| &node.inputs);

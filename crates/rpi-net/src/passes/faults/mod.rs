@@ -1,13 +1,14 @@
-//! Which operations of a net can still fault while it runs: overflow, division by zero, index, conversion, subrange,
-//! contract. What ranges of integers prove never to fault is left out.
+//! Run-time faults: the operations of a net that may overflow, divide by zero, use an invalid index, convert an
+//! unrepresentable real, or violate a subrange or contract. Operations that an interval analysis proves safe are left
+//! out.
 //!
-//! | file | idea |
+//! | file | content |
 //! |---|---|
-//! | `range.rs` | ranges of integers, and arithmetic on them |
-//! | `known.rs` | the range of every flow: the least solution |
-//! | `transfer.rs`, `truth.rs` | the range of what a node gives |
-//! | `refine.rs` | what a condition says of the flows that it compares |
-//! | `growth.rs` | counters, which do not overflow in the time of a run |
+//! | `range.rs` | intervals of integers, and arithmetic on them |
+//! | `known.rs` | interval of every flow: least fixed point |
+//! | `transfer.rs`, `truth.rs` | interval of a node's output |
+//! | `refine.rs` | limits that a condition implies for the flows that it compares |
+//! | `growth.rs` | counters, which do not overflow within a run |
 
 mod growth;
 mod known;
@@ -24,22 +25,22 @@ use rpi_image::Role;
 use std::fmt;
 use transfer::Op;
 
-/// How an operation can fault.
+/// Kind of a run-time fault.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub enum FaultKind {
-    /// The result does not fit 64 bits.
+    /// The result does not fit in 64 bits.
     Overflow,
-    /// A divisor is 0.
+    /// A divisor may be 0.
     Division,
-    /// An index lies outside of its array.
+    /// An index is out of range.
     Index,
-    /// A real has no integer value.
+    /// A real cannot be converted to an integer.
     Conversion,
-    /// A value lies outside of its subrange.
+    /// A value is outside its subrange.
     Subrange,
-    /// An assertion or a clause of a contract does not hold.
+    /// An assertion or a clause of a contract is false.
     Contract,
-    /// A primitive has a condition of its own.
+    /// A primitive has its own kind of fault; the field is its name.
     Primitive(&'static str),
 }
 
@@ -51,26 +52,26 @@ impl fmt::Display for FaultKind {
             FaultKind::Index => f.write_str("index outside of the array"),
             FaultKind::Conversion => f.write_str("conversion of a real that has no integer value"),
             FaultKind::Subrange => f.write_str("value outside of its subrange"),
-            FaultKind::Contract => f.write_str("contract that does not hold"),
+            FaultKind::Contract => f.write_str("violated contract"),
             FaultKind::Primitive(name) => write!(f, "fault of `{name}`"),
         }
     }
 }
 
-/// An operation that is not proved safe.
+/// Operation that is not proved free of faults.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct CanFault {
-    /// The node.
+    /// Node of the operation.
     pub node: NodeId,
-    /// Its place in the text.
+    /// Location of the operation in the source text.
     pub span: Span,
-    /// How it can fault.
+    /// Kind of the possible fault.
     pub kind: FaultKind,
-    /// Whether it counts only in the cycles in which its result is needed.
+    /// Whether the fault counts only in cycles in which the result is needed.
     pub guarded: bool,
 }
 
-/// The operations of a net that can fault, in the order of the net; each kind once for a node.
+/// Returns the operations of a net that may fault, in the order of the net. Each kind occurs once per node.
 #[must_use]
 pub fn can_fault(net: &Net, schedule: &Schedule) -> Vec<CanFault> {
     if !net.nodes.iter().any(|node| node.desc().may_fault) {
@@ -91,7 +92,7 @@ pub fn can_fault(net: &Net, schedule: &Schedule) -> Vec<CanFault> {
     found
 }
 
-/// How a node can fault, as far as nothing proves that it does not.
+/// Kinds of faults of a node that are not proved impossible.
 fn kinds(known: &Known<'_>, node: &Node) -> Vec<FaultKind> {
     let desc = node.desc();
     if !desc.may_fault || matches!(desc.role, Role::Actuator(_)) {
@@ -125,14 +126,14 @@ fn of_operation(known: &Known<'_>, node: &Node) -> Vec<FaultKind> {
     if matches!(op, Op::Divide | Op::Modulo) && b.has_zero() {
         kinds.push(FaultKind::Division);
     }
-    // The divisors that are left are not 0.
+    // `apply` ignores the divisor 0, which was reported above.
     if op.apply(a, b).is_none() {
         kinds.push(FaultKind::Overflow);
     }
     kinds
 }
 
-/// Whether a checked value lies in its range wherever the check counts.
+/// Whether a checked value is always within its range when the check is active.
 fn is_within(known: &Known<'_>, node: &Node) -> bool {
     let mut limits = refine::Limits::new();
     if let Some(Input::Port(guard)) = node.inputs.first() {
@@ -140,13 +141,13 @@ fn is_within(known: &Known<'_>, node: &Node) -> bool {
     }
     let of = |k: usize| known.input_where(node, k, &limits);
     let (Some(value), Some(from), Some(to)) = (of(1), of(2), of(3)) else {
-        // Nothing comes there.
+        // The check is never reached.
         return true;
     };
     from.hi <= value.lo && value.hi <= to.lo
 }
 
-/// Whether a node counts only while a condition holds.
+/// Whether a node is active only while a guard is true.
 fn is_guarded(net: &Net, node: &Node) -> bool {
     let first = node.inputs.first();
     let ports = &node.desc().inputs;

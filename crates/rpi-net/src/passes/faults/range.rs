@@ -1,13 +1,13 @@
-//! Ranges of integers, and arithmetic on them. A Boolean is 0 or 1.
+//! Intervals of integers, and arithmetic on them. A Boolean is 0 or 1.
 
 use rpi_image::{Scalar, Type, Value};
 
-/// The values that a flow may have where it is present.
+/// Inclusive interval of the values of a flow while it is present.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct Range {
     pub(super) lo: i64,
     pub(super) hi: i64,
-    /// 0 is excluded.
+    /// Whether 0 is excluded.
     pub(super) no_zero: bool,
 }
 
@@ -25,7 +25,7 @@ impl Range {
         }
     }
 
-    /// All values of a type; none for one that is not followed.
+    /// All values of a type; `None` for a type that is not analysed.
     pub(super) fn of_type(ty: Type) -> Option<Range> {
         match ty {
             Type::One(Scalar::Bool) => Some(Range::BOOL),
@@ -47,7 +47,7 @@ impl Range {
         }
     }
 
-    /// Whether a Boolean is always true or always false.
+    /// Value of a Boolean, if it is constant.
     pub(super) fn truth(self) -> Option<bool> {
         (self.lo == self.hi).then_some(self.lo != 0)
     }
@@ -56,7 +56,7 @@ impl Range {
         !self.no_zero && self.lo <= 0 && self.hi >= 0
     }
 
-    /// The values of either.
+    /// Smallest interval that contains both intervals (join).
     pub(super) fn or(self, other: Range) -> Range {
         Range {
             lo: self.lo.min(other.lo),
@@ -65,7 +65,7 @@ impl Range {
         }
     }
 
-    /// The values of both; the first where there are none, for what is never reached can have any.
+    /// Intersection (meet). Returns `self` if it is empty: the flow is then never present, so any interval is sound.
     pub(super) fn and(self, other: Range) -> Range {
         let both = Range {
             lo: self.lo.max(other.lo),
@@ -79,7 +79,7 @@ impl Range {
         }
     }
 
-    /// Without 0 at its ends if that is excluded.
+    /// Moves a bound that is 0 by one if 0 is excluded.
     fn trimmed(self) -> Range {
         let mut range = self;
         if range.no_zero && range.lo == 0 && range.hi > 0 {
@@ -91,7 +91,7 @@ impl Range {
         range
     }
 
-    /// Without one value, as far as that can be told.
+    /// Removes one value, if the result is an interval.
     pub(super) fn without(self, value: i64) -> Range {
         let mut range = self;
         if value == 0 {
@@ -104,7 +104,7 @@ impl Range {
         range.trimmed()
     }
 
-    /// The results of an operation that is monotonous in each operand, at the ends of both; none if one does not fit.
+    /// Results of an operation that is monotonic in each operand, computed from the bounds; `None` on overflow.
     pub(super) fn ends(self, other: Range, op: impl Fn(i128, i128) -> i128) -> Option<Range> {
         let all = [self.lo, self.hi].into_iter().flat_map(|a| {
             let op = &op;
@@ -117,7 +117,7 @@ impl Range {
         Some(Range::of(i64::try_from(lo).ok()?, i64::try_from(hi).ok()?))
     }
 
-    /// The quotients by divisors without 0; none if one does not fit.
+    /// Quotients; the divisor 0 is ignored. `None` on overflow.
     pub(super) fn divided(self, by: Range) -> Option<Range> {
         let mut parts = [(by.lo, by.hi.min(-1)), (by.lo.max(1), by.hi)]
             .into_iter()
@@ -127,8 +127,8 @@ impl Range {
         parts.try_fold(first, |all, part| Some(all.or(part?)))
     }
 
-    /// The remainders by divisors without 0: of the sign of the dividend, smaller than the divisor, and not larger than the
-    /// dividend.
+    /// Remainders; the divisor 0 is ignored. They have the sign of the dividend, are smaller in size than the divisor,
+    /// and at most the size of the dividend.
     pub(super) fn modulo(self, by: Range) -> Range {
         let size = by.lo.unsigned_abs().max(by.hi.unsigned_abs());
         let size = i64::try_from(size.saturating_sub(1)).unwrap_or(i64::MAX);
@@ -138,7 +138,7 @@ impl Range {
         )
     }
 
-    /// The powers with exponents that are not negative; none if one does not fit.
+    /// Powers with non-negative exponents; `None` on overflow, or if an exponent may be negative.
     pub(super) fn power(self, by: Range) -> Option<Range> {
         if by.lo < 0 {
             return None;

@@ -1,19 +1,20 @@
-//! What a condition says about the flows that it compares: `x > 0` excludes 0 where it holds.
+//! Refinement by conditions: limits that a condition implies for the flows that it compares. Where `x > 0` holds, 0 is
+//! excluded.
 
 use super::known::Known;
 use super::range::Range;
 use crate::net::{Input, Node, PortRef};
 use smallvec::SmallVec;
 
-/// Conditions that are looked into, within each other.
+/// Maximal nesting depth of conditions.
 const DEPTH: usize = 12;
-/// What is kept of a condition.
+/// Maximal number of limits derived from a condition.
 const MOST: usize = 32;
 
-/// Flows with what is known of them besides their ranges.
+/// Flows with additional limits on their ranges.
 pub(super) type Limits = SmallVec<[(PortRef, Limit); 4]>;
 
-/// A limit of one flow.
+/// Limit of one flow.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Limit {
     Within(Range),
@@ -30,8 +31,8 @@ impl Limit {
 }
 
 impl Known<'_> {
-    /// Adds what follows where a Boolean is not the opposite of `truth`. A condition that is absent says as much of the flows
-    /// that are present: what compares a present flow with a constant is present.
+    /// Adds the limits that hold where a Boolean is `truth` or absent. An absent condition implies the same limits for
+    /// present flows: a comparison of a present flow with a constant is present.
     pub(super) fn assume(&self, port: PortRef, truth: bool, limits: &mut Limits) {
         self.assume_within(port, truth, DEPTH, limits);
     }
@@ -58,7 +59,7 @@ impl Known<'_> {
                 below(1, false);
             }
             ("Rpi::BooleanCoalesce", _) if constant(node, 1).is_some() => below(0, truth),
-            // Where the condition is absent nothing is known of the branches.
+            // If the condition is absent, nothing is known about the branches.
             ("Core::BooleanConditional", _) => match [1, 2].map(|k| constant(node, k)) {
                 [_, Some(no)] if (no != 0) != truth => below(0, true),
                 [Some(yes), _] if (yes != 0) != truth => below(0, false),
@@ -76,7 +77,7 @@ fn constant(node: &Node, input: usize) -> Option<i64> {
     }
 }
 
-/// A comparison of an integer with a constant.
+/// Adds the limits from a comparison of an integer with a constant.
 fn compared(node: &Node, truth: bool, limits: &mut Limits) {
     let (port, value, is_first) = match (node.inputs.first(), node.inputs.get(1)) {
         (Some(Input::Port(port)), Some(Input::Const(value))) => (*port, value.as_int(), true),
@@ -93,7 +94,7 @@ fn compared(node: &Node, truth: bool, limits: &mut Limits) {
         ("Core::IntEquals", _) if !is_exact(node) => return,
         ("Core::IntEquals", _) if truth => Some(Range::of(value, value)),
         ("Core::IntEquals", _) => return limits.push((port, Limit::Not(value))),
-        // `x > k`, `not (k >= x)`: the operands exchanged and the truth opposite are the other comparison.
+        // `x > k` and `not (k >= x)` are the same: exchanging the operands and negating gives the other comparison.
         ("Core::IntGreater", true) if is_first => up(above),
         ("Core::IntGreater", true) => up(Some(value)),
         ("Core::IntGreater", false) if is_first => down(Some(value)),
@@ -107,7 +108,7 @@ fn compared(node: &Node, truth: bool, limits: &mut Limits) {
     limits.extend(within.map(|within| (port, Limit::Within(within))));
 }
 
-/// Whether two integers are equal only if they are the same.
+/// Whether an equality has no tolerance.
 fn is_exact(node: &Node) -> bool {
     let slack = node.params.first();
     slack.is_none_or(|slack| slack.as_int() == Some(0) || slack.as_real() == Some(0.0))

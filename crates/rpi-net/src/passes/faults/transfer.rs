@@ -1,11 +1,11 @@
-//! The range of what a node gives, from those of what it reads; and whether the result always fits.
+//! Transfer functions: the range of a node's output from the ranges of its inputs, and whether the result fits.
 
 use super::known::Known;
 use super::range::Range;
 use super::refine::Limits;
 use crate::net::{Input, Node};
 
-/// The integer operations, plain and guarded.
+/// Integer operations, plain and guarded.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Op {
     Add,
@@ -30,7 +30,7 @@ const OPS: &[(&str, &str, Op)] = &[
 ];
 
 impl Op {
-    /// The operation of a primitive, and its first operand.
+    /// Operation of a primitive, with the index of its first operand; `None` for other primitives.
     pub(super) fn of(name: &str) -> Option<(Op, usize)> {
         OPS.iter().find_map(|(plain, guarded, op)| match name {
             _ if name == *plain => Some((*op, 0)),
@@ -39,7 +39,7 @@ impl Op {
         })
     }
 
-    /// The results, where the divisor is not 0; none if one does not fit.
+    /// Results of the operation; the divisor 0 is ignored. `None` on overflow.
     pub(super) fn apply(self, a: Range, b: Range) -> Option<Range> {
         match self {
             Op::Add => a.ends(b, |a, b| a + b),
@@ -62,7 +62,7 @@ impl Op {
     }
 }
 
-/// Operands of an operation where it counts; none while nothing comes.
+/// Operation and operand ranges of a node while its guard is true; `None` if an operand is not reached yet.
 pub(super) fn operands(known: &Known<'_>, node: &Node) -> Option<(Op, Range, Range)> {
     let (op, first) = Op::of(node.desc().name)?;
     let mut limits = Limits::new();
@@ -79,14 +79,14 @@ pub(super) fn operands(known: &Known<'_>, node: &Node) -> Option<(Op, Range, Ran
     Some((op, a, b))
 }
 
-/// The range of what a node gives; none while nothing comes there.
+/// Range of a node's output; `None` if it is not reached yet.
 pub(super) fn result(known: &Known<'_>, node: &Node, all: Range) -> Option<Range> {
     let name = node.desc().name;
     if let Some((_, first)) = Op::of(name) {
         let (op, a, b) = operands(known, node)?;
         let range = op.apply(a, b).unwrap_or(all);
         return Some(match first {
-            // A guarded one gives 0 where it does not count.
+            // A guarded operation returns 0 while its guard is false.
             1 => range.or(Range::FALSE),
             _ => range,
         });
@@ -123,7 +123,7 @@ pub(super) fn result(known: &Known<'_>, node: &Node, all: Range) -> Option<Range
     })
 }
 
-/// `if c then x else y`: each branch where the condition says so.
+/// Range of `if c then x else y`: each branch is refined by the condition.
 fn chosen(known: &Known<'_>, node: &Node) -> Option<Range> {
     let truth = known.input(node, 0)?.truth();
     let branch = |k: usize, holds: bool| {

@@ -1,13 +1,13 @@
-//! Whether a Boolean is the same in all cycles in which some limits hold.
+//! Constant Booleans: whether a Boolean has the same value in all cycles in which some limits hold.
 
 use super::known::Known;
 use super::refine::Limits;
 use crate::net::{Input, Node};
 
-/// Nodes that are looked through, within each other.
+/// Maximal nesting depth of nodes.
 const DEPTH: usize = 8;
 
-/// The value of a Boolean node, if it has only one where it is present.
+/// Value of a Boolean node, if it is constant while it is present.
 pub(super) fn of(known: &Known<'_>, node: &Node, limits: &Limits) -> Option<bool> {
     let name = node.desc().name;
     let range = |k: usize| known.input_where(node, k, limits);
@@ -45,7 +45,7 @@ fn compared(always: bool, never: bool) -> Option<bool> {
     }
 }
 
-/// Whether what a check reads is never false: with what follows where its guard holds.
+/// Whether the condition of an assertion is never false, given what its guard implies.
 pub(super) fn always_holds(known: &Known<'_>, check: &Node) -> bool {
     holds_where(known, check.inputs.first(), &Limits::new(), DEPTH)
 }

@@ -1,5 +1,5 @@
-//! Cycles over plain values: what a net does for given inputs, by the code of the primitives. What depends on something
-//! that cannot be computed here is marked as not exact.
+//! Concrete domain: computes cycles of a net over plain values with the code of the primitives. A value that depends on
+//! something that cannot be computed here is marked as not exact.
 
 use super::domain::{Domain, Flow, Source};
 use super::doubles;
@@ -7,31 +7,31 @@ use crate::net::{Node, PortRef};
 use rpi_image::{CommandFlow, Scalar, Type, Value};
 use std::collections::BTreeMap;
 
-/// A truth value, and whether it is known to be so.
+/// Boolean, with a flag that says whether it is exact.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct Truth {
     pub(super) value: bool,
     pub(super) exact: bool,
 }
 
-/// A value, and whether it is known to be so.
+/// Value, with a flag that says whether it is exact.
 #[derive(Clone, Debug)]
 pub(super) struct Plain {
     pub(super) value: Value,
     pub(super) exact: bool,
 }
 
-/// Values from outside: by source and cycle; none where one is absent.
+/// Inputs of a run by source and cycle; `None` if the input is absent.
 pub(super) type Script = BTreeMap<(Source, usize), Option<Value>>;
 
-/// Values that decide something, by type: constants of the net and their neighbours.
+/// Boundary values by type: constants of the net, from which random inputs are derived.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Pool {
     pub(super) integers: Vec<i64>,
     pub(super) reals: Vec<f64>,
 }
 
-/// A generator of numbers (Steele et al. 2014, SplitMix64).
+/// Pseudo-random number generator SplitMix64 (Steele et al. 2014).
 #[derive(Clone, Debug)]
 pub(super) struct Random(pub(super) u64);
 
@@ -44,7 +44,7 @@ impl Random {
         z ^ (z >> 31)
     }
 
-    /// A number below `bound`, which is not 0.
+    /// Returns a number below `bound`. The bound 0 counts as 1.
     pub(super) fn below(&mut self, bound: usize) -> usize {
         usize::try_from(self.next() % (bound.max(1) as u64)).unwrap_or(0)
     }
@@ -54,24 +54,24 @@ impl Random {
     }
 }
 
-/// So often values stay as they were, in eighths, where the run is to go on for long.
+/// Probability in eighths that an input keeps its value in long runs.
 pub(super) const STEADY: usize = 7;
 
-/// The length of a tick in runs, that of a cell which says none.
+/// Tick length in runs in nanoseconds: the default of a robot cell.
 pub(super) const TICK_NS: u64 = 1_000_000;
 
-/// A run.
+/// State of a run.
 pub(super) struct Concrete<'a> {
     pub(super) cycle: usize,
-    /// What was read from outside; what is missing is made up.
+    /// Inputs read so far. Missing ones are generated.
     pub(super) script: Script,
     pub(super) random: Random,
     pub(super) pool: &'a Pool,
-    /// Probability that a value from outside stays as it was, in eighths.
+    /// Probability in eighths that an input keeps its value.
     pub(super) keeps: usize,
     /// Whether a primitive had a fault.
     pub(super) is_faulty: bool,
-    /// Whether what is missing in the script is neutral instead of random.
+    /// Whether missing inputs are neutral instead of random.
     pub(super) is_calm: bool,
 }
 
@@ -88,7 +88,7 @@ impl<'a> Concrete<'a> {
         }
     }
 
-    /// A value of this type that may decide something.
+    /// Generates a value near one of the boundary values of this type.
     fn made_up(&mut self, ty: Type) -> Value {
         if self.is_calm {
             return Value::neutral(ty);
@@ -120,6 +120,7 @@ impl<'a> Concrete<'a> {
             0 => f64::NAN,
             1 | 2 => base + 1.0,
             3 | 4 => base - 1.0,
+            // The adjacent doubles distinguish `<` from `<=`.
             5 => doubles::at((place + 1).min(doubles::last())),
             6 => doubles::at((place - 1).max(-doubles::last())),
             7 => -base,
@@ -162,12 +163,13 @@ impl<'a> Concrete<'a> {
         is_there.then(|| self.made_up(ty))
     }
 
-    /// A later time: the next constant that it is compared with may have come.
+    /// Returns a later time in seconds. It may jump to a constant with which times are compared.
     fn later(&mut self, then: f64) -> f64 {
         let pool = self.pool;
         let next = then + 0.001;
         match self.random.of(&pool.reals) {
-            // Where most things stay as they are time goes on step by step: what is to happen late shall not end before.
+            // In long runs time advances in single steps, so that late events are not preceded by the end of the
+            // command.
             Some(constant)
                 if !self.is_calm && self.keeps < STEADY && constant >= next && constant < 1e9 =>
             {
@@ -189,7 +191,7 @@ impl Concrete<'_> {
     }
 }
 
-/// What a primitive gives that depends on the length of a tick.
+/// Output of a primitive that depends on the tick length; `None` for other primitives.
 fn of_ticks(node: &Node, inputs: &[&Value]) -> Option<Value> {
     let input = inputs.first()?;
     match node.desc().name {

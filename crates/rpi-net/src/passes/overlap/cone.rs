@@ -1,4 +1,4 @@
-//! The part of a net that decides whether some things happen: nodes in order of evaluation, and what they remember.
+//! Cone of influence: the part of a net that decides whether some events occur, with its registers.
 
 use super::gates::Gate;
 use crate::net::{Activation, FragmentId, Input, Net, NodeId, PortRef, Restart};
@@ -7,42 +7,42 @@ use crate::passes::proof::Happening;
 use rpi_image::{Presence, Role, Scalar, Type, Value};
 use rustc_hash::{FxHashMap, FxHashSet};
 
-/// Something that is remembered from cycle to cycle. It starts afresh with the fragment that it belongs to.
+/// Kind of state that is kept from cycle to cycle. It is reset with the fragment that owns it.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub(super) enum Memory {
-    /// The in-port of a delay in the previous cycle.
+    /// Input of a delay in the previous cycle.
     Delayed(NodeId),
-    /// A cell of a primitive.
+    /// Memory slot of a primitive.
     Cell(NodeId, usize),
-    /// Whether the fragment has been active.
+    /// Whether the fragment has been active before.
     Started(FragmentId),
-    /// Whether a fragment was active when its parent last was.
+    /// Whether the fragment was active in the last active cycle of its parent.
     WasActive(FragmentId),
 }
 
-/// A register: what it remembers, for which fragment, and its first content; none if it is absent then.
+/// Register: its kind, owner, type and initial value (`None` if it is initially absent).
 #[derive(Clone, Debug)]
 pub(super) struct Register {
     pub(super) memory: Memory,
     pub(super) owner: FragmentId,
     pub(super) ty: Type,
     pub(super) first: Option<Value>,
-    /// Whether it may be absent.
+    /// Whether the value may be absent.
     pub(super) may_be_absent: bool,
 }
 
-/// What decides.
+/// Cone of influence of some events.
 pub(super) struct Cone<'a> {
     pub(super) net: &'a Net,
-    /// In order of evaluation.
+    /// Nodes in order of evaluation.
     pub(super) nodes: Vec<NodeId>,
     pub(super) registers: Vec<Register>,
-    /// Place of each register. Delays of one flow in one fragment share theirs.
+    /// Index of each register. Delays of the same flow in the same fragment share a register.
     places: FxHashMap<Memory, usize>,
 }
 
 impl<'a> Cone<'a> {
-    /// The cone of some things and flows, of so many nodes at most. The nearest nodes are kept.
+    /// Builds the cone of some events and flows with at most `limit` nodes. The nodes nearest to the events are kept.
     pub(super) fn new(
         net: &'a Net,
         schedule: &Schedule,
@@ -83,7 +83,7 @@ impl<'a> Cone<'a> {
         cone
     }
 
-    /// The place of a register.
+    /// Index of a register.
     pub(super) fn place(&self, memory: &Memory) -> Option<usize> {
         self.places.get(memory).copied()
     }
@@ -177,7 +177,7 @@ fn delay(net: &Net, id: NodeId) -> Register {
     }
 }
 
-/// Goes back from what is asked to what decides it.
+/// Backward search from the events to the nodes that decide them.
 struct Search<'a> {
     net: &'a Net,
     seen: FxHashSet<NodeId>,
@@ -208,7 +208,7 @@ impl Search<'_> {
         }
     }
 
-    /// Breadth first, so that what is near is kept.
+    /// Searches breadth first, so that the nearest nodes are kept.
     fn run(&mut self, limit: usize) {
         let mut at = 0;
         while at < self.open.len() {

@@ -1,4 +1,4 @@
-//! One cycle of a net over a [`Domain`]: activity, flows, and what is remembered for the next one.
+//! Computes one cycle of a net over a [`Domain`]: activity, flows and the next state of the registers.
 
 use super::cone::{Cone, Memory};
 use super::domain::{Domain, Flow, Source};
@@ -8,10 +8,10 @@ use crate::passes::proof::Happening;
 use rpi_image::{DevicePorts, Presence, Role, Type, Value};
 use rustc_hash::FxHashMap;
 
-/// What is remembered at the start of a cycle, register by register.
+/// Contents of all registers at the start of a cycle.
 pub(super) type State<D> = Vec<Flow<D>>;
 
-/// A cycle that is being computed.
+/// Computation of one cycle.
 pub(super) struct Cycle<'a, D: Domain> {
     pub(super) domain: &'a mut D,
     cone: &'a Cone<'a>,
@@ -19,11 +19,11 @@ pub(super) struct Cycle<'a, D: Domain> {
     flows: FxHashMap<PortRef, Flow<D>>,
     active: FxHashMap<FragmentId, D::Bit>,
     fresh: FxHashMap<FragmentId, D::Bit>,
-    /// Contents of the cells of primitives at the end.
+    /// Contents of the primitives' memory slots at the end of the cycle, by register.
     cells: FxHashMap<usize, D::Value>,
 }
 
-/// What the registers hold before the first cycle.
+/// Initial contents of the registers.
 pub(super) fn first_state<D: Domain>(domain: &mut D, cone: &Cone<'_>) -> State<D> {
     let registers = cone.registers.iter();
     registers
@@ -41,7 +41,7 @@ fn first<D: Domain>(domain: &mut D, ty: Type, content: Option<&Value>) -> Flow<D
 }
 
 impl<'a, D: Domain> Cycle<'a, D> {
-    /// Computes a cycle.
+    /// Computes a cycle from the state at its start.
     pub(super) fn new(domain: &'a mut D, cone: &'a Cone<'a>, state: &'a State<D>) -> Self {
         let yes = domain.bit(true);
         let no = domain.bit(false);
@@ -60,7 +60,7 @@ impl<'a, D: Domain> Cycle<'a, D> {
         cycle
     }
 
-    /// Whether something happens.
+    /// Whether an event occurs: its fragment is active and its flows are present.
     pub(super) fn happens(&mut self, happening: &Happening) -> D::Bit {
         let active = self.activity(happening.fragment);
         let mut all = active;
@@ -77,12 +77,12 @@ impl<'a, D: Domain> Cycle<'a, D> {
         self.domain.is_true(&flow)
     }
 
-    /// A flow as anyone sees it: absent where its fragment is inactive.
+    /// Flow as any reader sees it: absent while its fragment is inactive.
     pub(super) fn flow(&mut self, port: PortRef) -> Flow<D> {
         if let Some(flow) = self.flows.get(&port) {
             return flow.clone();
         }
-        // It was left out: nothing is known of it.
+        // The node is outside the cone, so its outputs are unconstrained.
         let node = self.cone.net.node(port.node);
         let (no, yes) = (self.domain.bit(false), self.domain.bit(true));
         let flow = self.domain.unknown((port, node), None, no, yes);
@@ -90,7 +90,7 @@ impl<'a, D: Domain> Cycle<'a, D> {
         flow
     }
 
-    /// The state after the cycle.
+    /// Contents of all registers after the cycle.
     pub(super) fn next(mut self) -> State<D> {
         let cone = self.cone;
         let places = 0..cone.registers.len();
@@ -128,7 +128,7 @@ impl<'a, D: Domain> Cycle<'a, D> {
         self.domain.choose_flow(active, &new, &kept)
     }
 
-    /// Content of a register, started afresh where its fragment is.
+    /// Content of a register at the start of the cycle, reset if the fragment of the register is.
     fn kept(&mut self, place: usize) -> Flow<D> {
         let register = &self.cone.registers[place];
         let fresh = self.freshness(register.owner);
@@ -141,7 +141,7 @@ impl<'a, D: Domain> Cycle<'a, D> {
         Some(self.kept(place))
     }
 
-    /// Whether a fragment is active, and with it all around it.
+    /// Whether a fragment is active, which requires that all enclosing ones are.
     fn activity(&mut self, id: FragmentId) -> D::Bit {
         if let Some(known) = self.active.get(&id) {
             return *known;
@@ -169,7 +169,7 @@ impl<'a, D: Domain> Cycle<'a, D> {
         active
     }
 
-    /// Whether the state of a fragment starts afresh in this cycle.
+    /// Whether the state of a fragment is reset in this cycle.
     fn freshness(&mut self, id: FragmentId) -> D::Bit {
         if let Some(known) = self.fresh.get(&id) {
             return *known;
@@ -236,7 +236,7 @@ impl<'a, D: Domain> Cycle<'a, D> {
         }
     }
 
-    /// The out-ports of a node in a fragment that is active.
+    /// Outputs of a node, assuming that its fragment is active.
     fn computed(&mut self, id: NodeId, node: &Node, active: D::Bit) -> Vec<Flow<D>> {
         match node.desc().role {
             Role::Constant => {
@@ -314,7 +314,7 @@ impl<'a, D: Domain> Cycle<'a, D> {
         outputs.map(|value| Flow { present, value }).collect()
     }
 
-    /// Out-ports of which only the rule of presence is known.
+    /// Outputs of a primitive for which only the presence rule is known.
     fn unknown(
         &mut self,
         id: NodeId,
@@ -349,7 +349,7 @@ impl<'a, D: Domain> Cycle<'a, D> {
     }
 }
 
-/// What an out-port reads from outside.
+/// External source that an out-port reads.
 fn source(id: NodeId, node: &Node, port: u8) -> Source {
     let text = |name: &str| {
         let value = node.desc().param(name).and_then(|at| node.params.get(at));

@@ -1,34 +1,34 @@
-//! What a cycle is computed over: literals and terms for proofs, plain values for runs. The rules of activation, presence and
-//! state are written once, in [`super::cycle`] and [`super::gates`], over this.
+//! Abstraction over the values of a cycle: literals and terms for proofs, plain values for runs. The rules of
+//! activation, presence and state are written once over it, in [`super::cycle`] and [`super::gates`].
 
 use crate::net::{Node, PortRef};
 use rpi_image::{CommandFlow, Type, Value};
 
-/// Something that a net does not decide itself.
+/// External source of a value, which the net does not compute.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub(super) enum Source {
-    /// A flow of the core; all nodes that read it read the same.
+    /// Flow of the control core. All nodes that read it read the same value.
     Core(CommandFlow),
-    /// A port of a device.
+    /// Port of a device.
     Sensor {
         device: String,
         port: String,
         index: i64,
     },
-    /// A value that is set from outside, by key.
+    /// Input that is set from outside, by key.
     Outside(String),
-    /// An out-port of which nothing is known.
+    /// Unconstrained out-port.
     Port(PortRef),
 }
 
-/// A flow in one cycle: whether it is present, and its value if so.
+/// Flow in one cycle: its presence, and its value if it is present.
 #[derive(Debug)]
 pub(super) struct Flow<D: Domain + ?Sized> {
     pub(super) present: D::Bit,
     pub(super) value: D::Value,
 }
 
-// Derived, it would ask for a domain that can be cloned.
+// A derived `Clone` would require `D: Clone`.
 impl<D: Domain + ?Sized> Clone for Flow<D> {
     fn clone(&self) -> Self {
         Flow {
@@ -38,30 +38,30 @@ impl<D: Domain + ?Sized> Clone for Flow<D> {
     }
 }
 
-/// Truth values and values.
+/// Operations on Booleans and values.
 pub(super) trait Domain {
-    /// A truth value.
+    /// Type of a Boolean.
     type Bit: Copy + std::fmt::Debug;
-    /// A value of any type.
+    /// Type of a value of any flow type.
     type Value: Clone + std::fmt::Debug;
 
     fn bit(&self, value: bool) -> Self::Bit;
     fn not(&mut self, a: Self::Bit) -> Self::Bit;
     fn and(&mut self, a: Self::Bit, b: Self::Bit) -> Self::Bit;
-    /// A constant.
+    /// Returns a constant.
     fn constant(&mut self, value: &Value) -> Self::Value;
-    /// The Boolean that a truth value is.
+    /// Converts a Boolean to a value.
     fn boolean(&mut self, bit: Self::Bit) -> Self::Value;
-    /// The truth value of a Boolean.
+    /// Converts a Boolean value to a Boolean.
     fn truth(&mut self, value: &Self::Value) -> Self::Bit;
     fn choose(&mut self, condition: Self::Bit, yes: &Self::Value, no: &Self::Value) -> Self::Value;
-    /// A value from outside in this cycle; whether it may be absent.
+    /// Returns the external value of a source in this cycle, which may be absent if `may_be_absent`.
     fn source(&mut self, source: Source, ty: Type, may_be_absent: bool) -> Flow<Self>;
-    /// The out-ports of a stateless primitive with strict presence where all in-ports are present; `runs` tells whether they
-    /// are and its fragment is active.
+    /// Applies a stateless primitive with strict presence to inputs that are all present. `runs` says whether they are
+    /// and the fragment is active.
     fn apply(&mut self, node: &Node, inputs: &[Self::Value], runs: Self::Bit) -> Vec<Self::Value>;
-    /// An out-port of which only its type is known, and when it is present: surely, if `surely` holds, and never unless
-    /// `runs` does. `inputs` is what it depends on; nothing if it has a memory of its own.
+    /// Returns an unconstrained out-port. It is present if `surely` holds, and absent unless `runs` holds. `inputs` are
+    /// the flows that it depends on; `None` if it has state of its own.
     fn unknown(
         &mut self,
         port: (PortRef, &Node),

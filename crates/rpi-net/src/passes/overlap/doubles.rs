@@ -1,23 +1,24 @@
-//! Doubles as integers in the same order: the next double is the next integer, and both zeros are 0.
+//! Order-preserving map from doubles to integers: adjacent doubles map to adjacent integers, and both zeros map to 0.
 
-/// The place of a double that is not NaN among all doubles.
+/// Position of a double, which must not be NaN, in the order of all doubles.
 pub(super) fn place(value: f64) -> i64 {
     let bits = value.to_bits().cast_signed();
     if bits < 0 { -(bits & i64::MAX) } else { bits }
 }
 
-/// The double at a place.
+/// Double at a position.
 pub(super) fn at(place: i64) -> f64 {
     let size = f64::from_bits(place.unsigned_abs());
     if place < 0 { -size } else { size }
 }
 
-/// Place of the greatest value; that of the least one is its negation.
+/// Position of positive infinity; that of negative infinity is its negation.
 pub(super) fn last() -> i64 {
     place(f64::INFINITY)
 }
 
-/// The greatest place up to `high` at which a condition holds that holds up to some place from `low` on and not beyond.
+/// Binary search for the greatest position up to `high` at which `holds` is true. `holds` must be true up to some
+/// position and false beyond; `None` if it is false at `low`.
 pub(super) fn last_where(low: i64, high: i64, holds: impl Fn(i64) -> bool) -> Option<i64> {
     if !holds(low) {
         return None;

@@ -1,4 +1,4 @@
-//! What the primitives that treat absence themselves give, and those with a small memory.
+//! Semantics of the primitives that handle absence themselves, and of those with a small state.
 //!
 //! A test compares all of them with the code of the primitives.
 
@@ -6,7 +6,7 @@ use super::domain::{Domain, Flow};
 use crate::net::Node;
 use rpi_image::{Role, Type, Value};
 
-/// A primitive that is known here.
+/// Primitive with a model here.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Gate {
     And,
@@ -16,14 +16,14 @@ pub(super) enum Gate {
     SetNull,
     Coalesce,
     IsAbsent,
-    // With a memory of their own:
+    // Primitives with state:
     Edge,
     Latch,
     Snapshot,
     Hold,
 }
 
-/// Prefixes of the primitives that exist for each type.
+/// Type prefixes of the primitives that exist for each type.
 const TYPES: [&str; 9] = [
     "Boolean", "Int", "Double", "Time", "Vector", "Rotation", "Frame", "Twist", "Wrench",
 ];
@@ -57,7 +57,7 @@ impl Gate {
         }
     }
 
-    /// The first content of its memory, cell by cell.
+    /// Initial contents of the primitive's memory slots.
     pub(super) fn memory(self, node: &Node) -> Vec<Value> {
         let no = Value::bool(false);
         let neutral = || {
@@ -73,7 +73,7 @@ impl Gate {
         }
     }
 
-    /// What it gives without regard to activity.
+    /// Output of a stateless primitive in an active cycle; `None` for a primitive with state.
     pub(super) fn output<D: Domain>(self, domain: &mut D, inputs: &[Flow<D>]) -> Option<Flow<D>> {
         Some(match (self, inputs) {
             (Gate::And, [a, b]) => and(domain, a, b),
@@ -109,7 +109,7 @@ impl Gate {
         })
     }
 
-    /// What a primitive with a memory gives, and the memory after a cycle in which it runs.
+    /// Output of a primitive with state and its next state; `None` for a stateless primitive.
     pub(super) fn step<D: Domain>(
         self,
         domain: &mut D,
@@ -150,7 +150,7 @@ impl Gate {
 }
 
 impl<D: Domain> Flow<D> {
-    /// The same value, present if one of two is.
+    /// Returns the same value, present if `first` or `second` holds.
     fn with(self, domain: &mut D, first: D::Bit, second: D::Bit) -> Flow<D> {
         Flow {
             present: domain.or(first, second),
@@ -159,7 +159,7 @@ impl<D: Domain> Flow<D> {
     }
 }
 
-/// A Boolean that is always present.
+/// Boolean flow that is always present.
 pub(super) fn certain<D: Domain>(domain: &mut D, bit: D::Bit) -> Flow<D> {
     Flow {
         present: domain.bit(true),
@@ -176,7 +176,7 @@ fn not<D: Domain>(domain: &mut D, a: &Flow<D>) -> Flow<D> {
     }
 }
 
-/// Conjunction of Kleene (1952): false if one operand is, absent or not.
+/// Conjunction in strong Kleene logic (1952): false if one operand is false, even if the other is absent.
 fn and<D: Domain>(domain: &mut D, a: &Flow<D>, b: &Flow<D>) -> Flow<D> {
     let values = [a, b].map(|x| domain.truth(&x.value));
     let refuted = [0, 1].map(|k| {

@@ -1,17 +1,18 @@
-//! Integers as terms: sums of variables, chosen by conditions.
+//! Integer terms: linear sums of variables, selected by conditions.
 //!
 //! Operations and comparisons are pushed through the choices down to the sums, so that only comparisons of sums with
-//! constants are left. The values are mathematical integers: where an operation would not fit, the cycle has a fault and no
-//! set-point is handed over; where it is not evaluated, its value is read by nothing.
+//! constants remain. The values are mathematical integers: on overflow the cycle has a fault and no set-point is
+//! emitted; if the operation is not evaluated, its value is never read.
 
 use crate::solver::{Linear, Lit, Solver};
 use rustc_hash::FxHashMap;
 
-/// Choices within each other and terms of one problem, at most; beyond, a new variable stands for the term.
+/// Maximal nesting depth of choices, and maximal number of terms of a problem. Beyond them, a new variable replaces the
+/// term.
 const DEPTH: u32 = 120;
 const TERMS: usize = 60_000;
 
-/// An integer term.
+/// Index of an integer term.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub(super) struct Int(u32);
 
@@ -21,7 +22,7 @@ pub(super) enum IntTerm {
     Choice(Lit, Int, Int),
 }
 
-/// All integer terms of a problem.
+/// All integer terms of a problem, hash-consed.
 #[derive(Debug, Default)]
 pub(super) struct Integers {
     terms: Vec<(IntTerm, u32)>,
@@ -38,7 +39,7 @@ impl Integers {
         &self.terms[int.0 as usize].0
     }
 
-    /// The integer, if the term is a constant.
+    /// Value of a constant term; `None` for other terms.
     pub(super) fn as_constant(&self, int: Int) -> Option<i64> {
         match self.term(int) {
             IntTerm::Sum(sum) if sum.terms.is_empty() => Some(sum.constant),
@@ -50,7 +51,7 @@ impl Integers {
         self.sum(Linear::constant(value))
     }
 
-    /// An integer of which only the limits are known.
+    /// Creates an integer variable with inclusive bounds.
     pub(super) fn fresh(&mut self, solver: &mut Solver, low: i64, high: i64) -> Int {
         let variable = solver.integer(low, high);
         self.sum(Linear::variable(variable))
@@ -102,7 +103,7 @@ impl Integers {
         named
     }
 
-    /// `a + factor * b`.
+    /// Returns the term `a + factor * b`.
     pub(super) fn plus(&mut self, solver: &mut Solver, a: Int, b: Int, factor: i64) -> Int {
         if let Some(known) = self.sums.get(&(a, b, factor)) {
             return *known;
@@ -137,7 +138,7 @@ impl Integers {
         self.plus(solver, zero, a, factor)
     }
 
-    /// The product, where one of the two takes only constants.
+    /// Product of two terms; `None` unless one of them is constant.
     pub(super) fn times(&mut self, solver: &mut Solver, a: Int, b: Int) -> Option<Int> {
         match (self.as_constant(a), self.as_constant(b)) {
             (Some(factor), _) => Some(self.scaled(solver, b, factor)),
@@ -146,7 +147,7 @@ impl Integers {
         }
     }
 
-    /// Whether the term is at most 0.
+    /// Literal that is true exactly if the term is at most 0.
     pub(super) fn at_most_zero(&mut self, solver: &mut Solver, int: Int) -> Lit {
         if let Some(known) = self.signs.get(&int) {
             return *known;
@@ -168,7 +169,7 @@ impl Integers {
         self.at_most_zero(solver, difference)
     }
 
-    /// Whether the term is a 64-bit integer. It need not be where the operation is not evaluated.
+    /// Literal that is true exactly if the term fits in `i64`. It need not if the operation is not evaluated.
     fn fits(&mut self, solver: &mut Solver, int: Int) -> Lit {
         if let Some(known) = self.fitting.get(&int) {
             return *known;
@@ -190,7 +191,7 @@ impl Integers {
         solver.and(up, down)
     }
 
-    /// Quotient and remainder of the division by a constant other than 0, truncated towards 0.
+    /// Quotient and remainder of the division by a non-zero constant, truncated towards 0.
     pub(super) fn divided(
         &mut self,
         solver: &mut Solver,
@@ -231,7 +232,7 @@ impl Integers {
         let rest = key.0.plus(&quotient, size.checked_neg()?)?;
         let zero = Linear::constant(0);
         let negated = zero.plus(&rest, -1)?;
-        // The remainder has the sign of the dividend: from 0 to size - 1, or from 1 - size to 0.
+        // The remainder has the sign of the dividend: 0 to size - 1, or 1 - size to 0.
         let is_negative = solver.at_most_zero(&key.0.plus(&Linear::constant(1), 1)?);
         let last = Linear::constant(1 - size);
         let bounds = [

@@ -1,8 +1,8 @@
-//! Properties of the registers that hold in all cycles: guessed from runs, then those kept that follow from one another
-//! from cycle to cycle (Flanagan and Leino 2001, Houdini).
+//! Invariants of the registers: candidates are guessed from runs, then only the inductive ones are kept (Houdini,
+//! Flanagan and Leino 2001).
 //!
-//! The guesses are bounds of integers, sums and differences of two that do not change, and clauses of two facts: a Boolean,
-//! a bound or a value of an integer, or presence.
+//! The candidates are bounds of integers, constant sums and differences of two integers, and clauses of two facts. A
+//! fact is a Boolean, a bound or a value of an integer, or presence.
 
 use super::concrete::Concrete;
 use super::cycle::State;
@@ -10,12 +10,12 @@ use super::symbolic::{Symbolic, Term};
 use super::unrolled::Unrolled;
 use crate::solver::{Answer, Lit};
 
-/// Facts, values of one integer and integers that take part, at most.
+/// Maximal numbers of facts, of values of one integer, and of integers in sums.
 const FACTS: usize = 56;
 const VALUES: usize = 12;
 const INTEGERS: usize = 12;
 
-/// Something that a register is.
+/// Atomic proposition about a register, by register index.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(super) enum Fact {
     Present(usize),
@@ -24,12 +24,12 @@ pub(super) enum Fact {
     Is(usize, i64),
 }
 
-/// A property that is guessed.
+/// Candidate invariant.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(super) enum Guess {
-    /// One of the facts is as said.
+    /// Disjunction: one of the facts has the given truth value.
     Clause(Vec<(Fact, bool)>),
-    /// One integer plus or minus another one is constant.
+    /// `a + factor * b = sum`: registers `a` and `b`, `factor` (1 or -1), `sum`.
     Sum(usize, usize, i64, i64),
 }
 
@@ -97,7 +97,7 @@ impl Guess {
     }
 }
 
-/// The properties that all samples have.
+/// Candidates that hold in all samples.
 pub(super) fn guesses(samples: &[Sample]) -> Vec<Guess> {
     let Some(first) = samples.first() else {
         return Vec::new();
@@ -163,7 +163,7 @@ fn sums(samples: &[Sample], integers: &[usize]) -> Vec<Guess> {
     found
 }
 
-/// Facts that never change, and pairs of facts of which one always is as said.
+/// Facts that never change, and pairs of facts of which at least one always has the given truth value.
 fn clauses(samples: &[Sample], facts: &[Fact]) -> Vec<Guess> {
     let mut found = Vec::new();
     let mut columns: Vec<(Fact, Vec<bool>)> = Vec::new();
@@ -188,8 +188,8 @@ fn clauses(samples: &[Sample], facts: &[Fact]) -> Vec<Guess> {
     found
 }
 
-/// Keeps of the guesses those that follow from all kept ones in the cycle before; they hold in the first cycle. The
-/// problem must have one cycle from anywhere.
+/// Returns the largest inductive subset of the candidates, which must hold in the first cycle. `unrolled` must contain
+/// exactly one cycle from an arbitrary state.
 pub(super) fn proved(
     unrolled: &mut Unrolled<'_>,
     guesses: Vec<Guess>,
@@ -229,7 +229,7 @@ pub(super) fn proved(
     open.into_iter().map(|(guess, _, _)| guess).collect()
 }
 
-/// Requires properties that hold in all cycles of the state at the start of a cycle.
+/// Adds the invariants of the state at the start of a cycle to the problem.
 pub(super) fn require(unrolled: &mut Unrolled<'_>, invariants: &[Guess], cycle: usize) {
     let Some(state) = unrolled.states.get(cycle).cloned() else {
         return;

@@ -1,11 +1,11 @@
-//! Whether two things can happen in one cycle, or none of several: proved that they never do, or shown by a run in which
-//! they do.
+//! Decides whether two events can occur in the same cycle, or whether a cycle without any of several events exists:
+//! proved impossible, or shown by an example run.
 //!
-//! The part of the net that decides is written as a problem for the [solver](crate::solver): what is present and active as
-//! literals, integers and reals as terms that are compared. Runs with made-up inputs come first, for most things that can
-//! happen do so soon. Then one cycle from any state; a few cycles from the first one on, whose solutions are run to see that
-//! they are real; and induction over up to three cycles (Sheeran et al. 2000) with properties of the registers that are
-//! guessed from the runs. Last come a few long runs, for what a counter puts off. All of it is bounded by counted steps, not by a clock, so that the answer is the same everywhere.
+//! The cone of influence is encoded for the [solver](crate::solver): presence and activity as literals, integers and
+//! reals as terms. The stages are: random runs, since most possible events occur soon; one cycle from an arbitrary
+//! state; bounded model checking from the start, with solutions confirmed by a run; and k-induction over up to three
+//! cycles (Sheeran et al. 2000) with invariants guessed from the runs. Some long runs follow, for events that a counter
+//! delays. All stages are limited by counted steps, not by time, so that the answer is the same on every machine.
 
 mod concrete;
 mod cone;
@@ -34,42 +34,42 @@ use trace::{Seen, Trace};
 use unrolled::Unrolled;
 pub(crate) use witness::Witness;
 
-/// Nodes that are looked at for one net, at most.
+/// Maximal number of nodes in the cone of a net.
 const NODES: usize = 3_000;
-/// Steps of the solver for one net: some tenths of a second.
+/// Step budget of the solver per net: some tenths of a second.
 const STEPS: u64 = 6_000_000;
-/// Nodes that are computed in runs for one net.
+/// Maximal number of node evaluations in random runs per net.
 const RUNS: u64 = 60_000;
-/// Nodes that are computed in runs before anything else.
+/// Maximal number of node evaluations in the first random runs.
 const FEW_RUNS: u64 = 3_000;
-/// Nodes that are computed in long runs for one net.
+/// Maximal number of node evaluations in long runs per net.
 const LONG_RUNS: u64 = 120_000;
-/// Booleans of one problem, at most.
+/// Maximal number of Boolean variables of a problem.
 const SIZE: usize = 150_000;
-/// Cycles from the first one on.
+/// Maximal number of cycles in bounded model checking from the start.
 const FAR: usize = 10;
-/// Cycles of an induction.
+/// Maximal number of cycles of an induction.
 const INDUCTION: usize = 3;
 
-/// What is known of a pair.
+/// Result for a pair of events.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) enum Verdict {
-    /// The two never happen in the same cycle, proved so.
+    /// Proved never to occur in the same cycle.
     Exclusive(Method),
-    /// A run in which they do.
+    /// Example run in which both occur in the same cycle.
     Together(Witness),
-    /// Neither is known.
+    /// Not decided.
     Open,
 }
 
-/// How it was proved.
+/// Proof method.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(crate) enum Method {
-    /// Whatever is remembered from earlier cycles.
+    /// Proof for one cycle from an arbitrary state.
     OneCycle,
-    /// By induction over so many cycles.
+    /// k-induction over this many cycles.
     Induction(usize),
-    /// With this many properties of what is remembered.
+    /// Induction with this many invariants.
     Invariants(usize),
 }
 
@@ -83,7 +83,7 @@ impl fmt::Display for Method {
     }
 }
 
-/// Decides for each pair whether the two can happen in one cycle.
+/// Decides for each pair whether both events can occur in the same cycle.
 pub(crate) fn decide(
     background: Background<'_>,
     schedule: &Schedule,
@@ -97,7 +97,7 @@ pub(crate) fn decide(
         .collect()
 }
 
-/// Whether it is proved that one of these happens in each cycle.
+/// Whether it is proved that at least one of these events occurs in every cycle.
 pub(crate) fn always_one(
     background: Background<'_>,
     schedule: &Schedule,
@@ -142,19 +142,19 @@ fn answers(
     decision.verdicts
 }
 
-/// A question and the answers so far.
+/// Question with the verdicts found so far.
 struct Decision<'a> {
     question: &'a Question<'a>,
     pool: &'a Pool,
     verdicts: Vec<Option<Verdict>>,
-    /// Steps of the solver that are left, and nodes that may be computed in runs.
+    /// Remaining steps of the solver and remaining node evaluations in runs.
     steps: u64,
     runs: u64,
 }
 
 impl Decision<'_> {
     fn search(&mut self) {
-        // Most that can happen does so soon, and most of the rest contradicts itself in any state.
+        // Cheap stages first: most possible events occur soon, and most of the others are impossible in any state.
         self.explore(FEW_RUNS);
         self.in_one_cycle();
         if self.open().is_empty() {
@@ -165,7 +165,7 @@ impl Decision<'_> {
             self.in_first_cycle();
             return;
         }
-        // That none happens is only asked for a proof that it never is so.
+        // For `Event::Neither` only a proof of impossibility is useful, so no example run is searched.
         let is_run_wanted = self
             .question
             .events
@@ -182,7 +182,7 @@ impl Decision<'_> {
         self.in_long_runs();
     }
 
-    /// The only cycle of a command that ends at once.
+    /// Decides in the only cycle of a command that ends at once.
     fn in_first_cycle(&mut self) {
         self.look_from_start(1);
         let free = self.free_of(1);
@@ -200,7 +200,7 @@ impl Decision<'_> {
             .collect()
     }
 
-    /// Runs with made-up inputs, in which so many nodes are computed.
+    /// Random runs with at most `nodes` node evaluations.
     fn explore(&mut self, mut nodes: u64) -> Seen {
         let open = self.open();
         let seen = trace::explore(self.question, self.pool, &open, &mut nodes);
@@ -218,7 +218,7 @@ impl Decision<'_> {
         self.verdicts[pair] = Some(Verdict::Together(witness));
     }
 
-    /// What contradicts itself whatever is remembered.
+    /// Decides the events that are impossible in any state.
     fn in_one_cycle(&mut self) {
         let open = self.open();
         if open.is_empty() {
@@ -233,7 +233,7 @@ impl Decision<'_> {
         }
     }
 
-    /// Looks for runs of up to so many cycles in which a pair happens.
+    /// Bounded model checking from the start with up to `cycles` cycles.
     fn look_from_start(&mut self, cycles: usize) {
         if self.open().is_empty() || self.steps == 0 {
             return;
@@ -277,7 +277,7 @@ impl Decision<'_> {
         }
     }
 
-    /// The pairs that are left, by induction: first over what is remembered as it is, then with what always holds of it.
+    /// Proves the remaining events impossible by k-induction, strengthened by invariants.
     fn by_induction(&mut self, seen: &Seen) {
         if self.open().is_empty() || self.question.cone.registers.is_empty() {
             return;
@@ -307,7 +307,7 @@ impl Decision<'_> {
         }
     }
 
-    /// For each pair how many cycles from the first one on are proved to be free of it, up to so many.
+    /// For each event, the number of cycles from the start that are proved free of it, at most `cycles`.
     fn free_of(&mut self, cycles: usize) -> Vec<usize> {
         let mut free = vec![0; self.verdicts.len()];
         let mut unrolled = Unrolled::from_start(self.question);

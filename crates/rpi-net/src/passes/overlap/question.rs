@@ -1,4 +1,4 @@
-//! What is asked: what may happen in one cycle of one command.
+//! Queries: combinations of events to look for in one cycle of a command.
 
 use super::cone::Cone;
 use super::cycle::Cycle;
@@ -6,17 +6,17 @@ use super::domain::Domain;
 use crate::net::{Driver, Input, Net, PortRef, ResultKind};
 use crate::passes::proof::Happening;
 
-/// Something that a cycle may be.
+/// Condition on a cycle.
 #[derive(Clone, Debug)]
 pub(super) enum Event {
-    /// Both happen.
+    /// Both events occur.
     Both([Happening; 2]),
-    /// None of these happens.
+    /// None of these events occurs.
     Neither(Vec<Happening>),
 }
 
 impl Event {
-    /// What it speaks of.
+    /// Events of the condition.
     pub(super) fn happenings(&self) -> &[Happening] {
         match self {
             Event::Both(both) => both,
@@ -24,7 +24,7 @@ impl Event {
         }
     }
 
-    /// Whether a cycle is so.
+    /// Whether a cycle satisfies the condition.
     pub(super) fn is<D: Domain>(&self, cycle: &mut Cycle<'_, D>) -> D::Bit {
         let mut is = cycle.domain.bit(true);
         for happening in self.happenings() {
@@ -39,17 +39,17 @@ impl Event {
     }
 }
 
-/// Events, and the part of the net that decides them.
+/// Queries with the part of the net that decides them.
 pub(super) struct Question<'a> {
     pub(super) cone: Cone<'a>,
     pub(super) events: Vec<Event>,
-    /// Flows of which one ends the command when it is true: no cycle comes after that.
+    /// Flows that end the command when one of them is true, so that no further cycle follows.
     pub(super) ends: Vec<PortRef>,
-    /// Whether the command ends in its first cycle whatever happens.
+    /// Whether the command always ends in its first cycle.
     pub(super) ends_at_once: bool,
 }
 
-/// The conditions that end a command by themselves; a `yield` needs a successor.
+/// Conditions that end a command alone. A `yield` is not among them, since it needs a successor.
 pub(super) fn ends(net: &Net) -> Vec<PortRef> {
     let Driver::Results(results) = &net.driver else {
         return Vec::new();
@@ -60,7 +60,7 @@ pub(super) fn ends(net: &Net) -> Vec<PortRef> {
     sure.filter_map(|result| result.condition.port()).collect()
 }
 
-/// Whether a command ends in its first cycle whatever happens: then nothing comes after it.
+/// Whether a command always ends in its first cycle.
 pub(super) fn ends_at_once(net: &Net) -> bool {
     let Driver::Results(results) = &net.driver else {
         return false;

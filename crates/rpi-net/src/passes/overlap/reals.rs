@@ -1,23 +1,23 @@
-//! Reals as terms, and comparisons of them.
+//! Real terms and their comparisons.
 //!
-//! A real is an integer, its place in the order of all doubles, and a literal that says that it is NaN: so comparisons are
-//! exact without any arithmetic of doubles in the solver. A monotone function of one real is compared with a constant by
-//! looking for the place where the comparison turns; what is no such function is a real of which nothing is known.
+//! A real is represented by an integer, its position in the order of all doubles, and a literal for NaN. So comparisons
+//! are exact although the solver has no floating-point arithmetic. A comparison of a monotone function of one real with
+//! a constant is reduced to a bound on the argument by binary search. Any other function is an unconstrained real.
 
 use super::doubles::{at, last, last_where, place};
 use super::integers::{Int, Integers};
 use crate::solver::{Linear, Lit, Solver};
 use rustc_hash::FxHashMap;
 
-/// Choices within each other, at most.
+/// Maximal nesting depth, and maximal number of terms of a problem.
 const DEPTH: u32 = 120;
 const TERMS: usize = 60_000;
 
-/// A real term.
+/// Index of a real term.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub(super) struct Real(u32);
 
-/// Operations on one real.
+/// Operation on one real.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub(super) enum Unary {
     Negate,
@@ -27,7 +27,7 @@ pub(super) enum Unary {
     Round,
 }
 
-/// Operations on two reals.
+/// Operation on two reals.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub(super) enum Binary {
     Add,
@@ -40,9 +40,9 @@ pub(super) enum Binary {
 
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub(super) enum RealTerm {
-    /// The bits of a double.
+    /// Constant, as the bits of a double.
     Constant(u64),
-    /// Place, as a variable of the solver; and whether it is NaN.
+    /// Position as a solver variable, and the literal for NaN.
     Free(usize, Lit),
     Unary(Unary, Real),
     Binary(Binary, Real, Real),
@@ -50,18 +50,18 @@ pub(super) enum RealTerm {
     Choice(Lit, Real, Real),
 }
 
-/// All real terms of a problem.
+/// All real terms of a problem, hash-consed.
 #[derive(Debug, Default)]
 pub(super) struct Reals {
     terms: Vec<(RealTerm, u32)>,
     known: FxHashMap<RealTerm, Real>,
     comparisons: FxHashMap<(Real, Real, bool), Lit>,
     nans: FxHashMap<Real, Lit>,
-    /// Terms of which nothing is known, and what stands for them.
+    /// Position variables of terms that are not interpreted.
     places: FxHashMap<Real, usize>,
 }
 
-/// A comparison `a < b`, or `a <= b`.
+/// Comparison `a < b` if `is_strict`, otherwise `a <= b`.
 #[derive(Clone, Copy)]
 struct Comparison {
     a: Real,
@@ -75,7 +75,7 @@ impl Comparison {
     }
 }
 
-/// The other terms and the solver, which comparisons need.
+/// Integer terms and solver, which comparisons need.
 pub(super) struct Around<'a> {
     pub(super) integers: &'a mut Integers,
     pub(super) solver: &'a mut Solver,
@@ -108,20 +108,20 @@ impl Reals {
         self.insert(RealTerm::OfInteger(int), 0)
     }
 
-    /// A real of which nothing is known.
+    /// Creates an unconstrained real.
     pub(super) fn unknown(&mut self, solver: &mut Solver) -> Real {
         let nan = solver.fresh();
         let variable = solver.integer(-last(), last());
         self.insert(RealTerm::Free(variable, nan), 0)
     }
 
-    /// A number that is not negative.
+    /// Creates an unconstrained finite real that is not negative.
     pub(super) fn unknown_size(&mut self, solver: &mut Solver) -> Real {
         let variable = solver.integer(0, last() - 1);
         self.insert(RealTerm::Free(variable, Lit::FALSE), 0)
     }
 
-    /// Place and NaN of a term that is a variable.
+    /// Position and NaN literal of a free variable; `None` for other terms.
     pub(super) fn free(&self, real: Real) -> Option<(Linear, Lit)> {
         match self.term(real) {
             RealTerm::Free(variable, nan) => Some((Linear::variable(variable), nan)),
@@ -168,7 +168,7 @@ impl Reals {
         }
     }
 
-    /// Whether a term is NaN.
+    /// Literal that is true exactly if a term is NaN.
     pub(super) fn is_nan(&mut self, solver: &mut Solver, real: Real) -> Lit {
         if let Some(known) = self.nans.get(&real) {
             return *known;
@@ -199,7 +199,7 @@ impl Reals {
         lit
     }
 
-    /// `a < b` if strict, else `a <= b`: false where one is NaN.
+    /// Literal for `a < b` if `is_strict`, otherwise for `a <= b`. False if an operand is NaN.
     pub(super) fn compare(
         &mut self,
         around: &mut Around<'_>,
@@ -278,8 +278,8 @@ impl Reals {
         }
     }
 
-    /// `x - y` below 0 is `x` below `y`, exactly: doubles that differ have a difference other than 0. Equal infinities have
-    /// none.
+    /// Compares `x - y` with 0 by comparing `x` with `y`. This is exact, since different doubles have a non-zero
+    /// difference; that of equal infinities is NaN.
     fn compare_difference(
         &mut self,
         around: &mut Around<'_>,
@@ -292,7 +292,8 @@ impl Reals {
         around.solver.and(order, !nan)
     }
 
-    /// The comparison of a function of one term with a constant as a comparison of that term.
+    /// Reduces a comparison of a function of one term with a constant to a comparison of that term; `None` if the
+    /// function is not monotone.
     fn inverted(
         &mut self,
         around: &mut Around<'_>,
@@ -325,7 +326,7 @@ impl Reals {
             }
             _ => {
                 let (argument, function) = self.monotone(function)?;
-                // The comparison turns once: from true to false where the function rises on the left side.
+                // The truth value changes once: from true to false if the function rises and is on the left side.
                 let begins_true = function.rises == is_left;
                 let holds = |k: i64| test(function.value(at(k))) == begins_true;
                 let turn = last_where(-last(), last(), holds);
@@ -334,7 +335,7 @@ impl Reals {
         }
     }
 
-    /// Whether a term is at most at the place of the turn, or else beyond it; NaN is neither.
+    /// Compares a term with the position of the change: at most there if `up_to`, otherwise beyond. False for NaN.
     fn compare_with_turn(
         &mut self,
         around: &mut Around<'_>,
@@ -354,7 +355,8 @@ impl Reals {
         around.solver.and(wanted, !nan)
     }
 
-    /// A term as a monotone function of another one that gives a number for each number.
+    /// Decomposes a term into a monotone function and its argument; `None` if it is not one. The function maps numbers
+    /// to numbers.
     fn monotone(&self, real: Real) -> Option<(Real, Monotone)> {
         let usable =
             |value: f64, is_factor: bool| value.is_finite() && (!is_factor || value != 0.0);
@@ -381,7 +383,7 @@ impl Reals {
         }
     }
 
-    /// The comparison of two terms by their places alone.
+    /// Compares two terms by their positions only.
     fn compare_places(&mut self, around: &mut Around<'_>, comparison: Comparison) -> Lit {
         let Comparison { a, b, is_strict } = comparison;
         let (left, right) = (self.place(around.solver, a), self.place(around.solver, b));
@@ -399,16 +401,16 @@ impl Reals {
         around.solver.all([order, nans[0], nans[1]])
     }
 
-    /// The place of a term as a sum of the solver's variables.
+    /// Position of a term as a sum of solver variables.
     pub(super) fn place(&mut self, solver: &mut Solver, real: Real) -> Linear {
         match self.term(real) {
             RealTerm::Constant(bits) => {
                 let value = f64::from_bits(bits);
-                // The place of NaN does not matter.
+                // The position of NaN is irrelevant.
                 Linear::constant(if value.is_nan() { 0 } else { place(value) })
             }
             RealTerm::Free(variable, _) => Linear::variable(variable),
-            // Negated, a double is as far from 0 on the other side.
+            // Negation mirrors the position at 0.
             RealTerm::Unary(Unary::Negate, a) => {
                 let place = self.place(solver, a);
                 let negated = Linear::constant(0).plus(&place, -1);
@@ -427,7 +429,7 @@ impl Reals {
     }
 }
 
-/// A monotone function of one double.
+/// Monotone function of one double.
 #[derive(Clone, Copy)]
 struct Monotone {
     op: Result<Unary, Binary>,
@@ -470,8 +472,8 @@ fn is_zero(bits: u64) -> bool {
     f64::from_bits(bits) == 0.0
 }
 
-/// A comparison with the smaller or greater of two: it holds if one of the two is enough, else both must; NaN counts only if
-/// both are.
+/// Literal for a comparison with the minimum or maximum of two terms. It holds if one side does (`one_is_enough`),
+/// otherwise both must. A NaN operand is ignored unless both are NaN.
 fn extreme(solver: &mut Solver, one_is_enough: bool, sides: [Lit; 2], nans: [Lit; 2]) -> Lit {
     if one_is_enough {
         return solver.any(sides);
@@ -482,7 +484,7 @@ fn extreme(solver: &mut Solver, one_is_enough: bool, sides: [Lit; 2], nans: [Lit
     solver.and(both, !no_number)
 }
 
-/// The comparison of an integer that turns once: whether it is on the side where it holds.
+/// Literal for a comparison of an integer whose truth value changes once.
 fn compare_integer(
     around: &mut Around<'_>,
     int: Int,
@@ -516,7 +518,7 @@ fn combined(op: Binary, a: f64, b: f64) -> f64 {
         Binary::Subtract => a - b,
         Binary::Multiply => a * b,
         Binary::Divide => a / b,
-        // The other one where one is NaN, as in `fmin` of C.
+        // If one operand is NaN, the other is returned, as in C's `fmin`.
         Binary::Minimum => a.min(b),
         Binary::Maximum => a.max(b),
     }

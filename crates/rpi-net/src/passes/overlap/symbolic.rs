@@ -1,4 +1,4 @@
-//! Cycles over literals and terms: what a net does for all inputs at once.
+//! Symbolic domain: computes cycles of a net over literals and terms, for all inputs at once.
 
 use super::domain::{Domain, Flow, Source};
 use super::integers::{Int, Integers};
@@ -9,38 +9,38 @@ use rpi_image::{CommandFlow, Scalar, Type, Value};
 use rustc_hash::FxHashMap;
 use std::collections::BTreeMap;
 
-/// A value of any type.
+/// Symbolic value of any type.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub(super) enum Term {
     Bool(Lit),
     Int(Int),
     Real(Real),
-    /// A value of which only matters whether it is the same as another one.
+    /// Uninterpreted value, which can only be tested for identity.
     Other(u32),
 }
 
-/// What an out-port depends on, so that equal operations on equal values give equal values.
+/// Key of an operation: equal operations on equal values have equal results (uninterpreted functions).
 #[derive(Clone, PartialEq, Eq, Hash, Debug)]
 struct Operation {
     prim: u16,
     port: usize,
     params: Vec<String>,
-    /// Whether each in-port is connected.
+    /// For each in-port, whether it is connected.
     connected: Vec<bool>,
     ty: Option<Type>,
     inputs: Vec<(Lit, Term)>,
 }
 
-/// The terms of all cycles of a problem.
+/// Symbolic cycles of a problem.
 pub(super) struct Symbolic {
     pub(super) solver: Solver,
     pub(super) integers: Integers,
     pub(super) reals: Reals,
-    /// Number of the cycle that is being computed.
+    /// Index of the current cycle.
     pub(super) cycle: usize,
-    /// Whether cycle 0 is the command's first one.
+    /// Whether cycle 0 is the first cycle of the command.
     pub(super) is_from_start: bool,
-    /// What was read from outside: source and cycle.
+    /// External values that have been read, by source and cycle.
     pub(super) sources: BTreeMap<(Source, usize), (Flow<Symbolic>, Type)>,
     operations: FxHashMap<Operation, Flow<Symbolic>>,
     choices: FxHashMap<(Lit, u32, u32), u32>,
@@ -69,7 +69,7 @@ impl Symbolic {
         self.others
     }
 
-    /// A value of which only the type is known.
+    /// Creates an unconstrained value.
     pub(super) fn fresh(&mut self, ty: Type) -> Term {
         match ty {
             Type::One(Scalar::Bool) => Term::Bool(self.solver.fresh()),
@@ -81,7 +81,7 @@ impl Symbolic {
         }
     }
 
-    /// Whether an integer is at most another one.
+    /// Literal that is true exactly if `a` is at most `b`.
     pub(super) fn at_most(&mut self, a: Int, b: Int) -> Lit {
         self.integers.at_most(&mut self.solver, a, b)
     }
@@ -98,7 +98,7 @@ impl Symbolic {
         self.reals.compare(&mut around, a, b, is_strict)
     }
 
-    /// Time goes on, and a request to end stays.
+    /// Adds constraints between cycles: time increases, and a cancel request persists.
     fn order_in_time(&mut self, flow: CommandFlow, value: &Flow<Symbolic>) {
         let before = self.cycle.checked_sub(1).and_then(|before| {
             let key = (Source::Core(flow), before);
@@ -123,7 +123,7 @@ impl Symbolic {
         }
     }
 
-    /// The value of a real input: of the period and the time it is known that they are numbers.
+    /// Creates an external value. Time and period are known to be finite and not negative.
     fn outside(&mut self, source: &Source, ty: Type) -> Term {
         match source {
             Source::Core(CommandFlow::Time | CommandFlow::Period)
@@ -151,7 +151,7 @@ impl Symbolic {
     }
 }
 
-/// Flows of the core that are the same in all cycles.
+/// Whether a source has the same value in all cycles.
 fn is_constant(source: &Source) -> bool {
     matches!(
         source,
@@ -226,7 +226,7 @@ impl Domain for Symbolic {
                     Term::Other(chosen)
                 }
             },
-            // One of the two stands for a port that is not connected, which is absent.
+            // A port that is not connected is a Boolean placeholder; it is absent.
             (Term::Bool(_), other) | (other, _) => other,
         }
     }
@@ -301,11 +301,11 @@ impl Domain for Symbolic {
 }
 
 impl Symbolic {
-    /// What a primitive gives whose meaning is known here.
+    /// Output of an interpreted primitive; `None` for others.
     fn known(&mut self, node: &Node, inputs: &[Term]) -> Option<Term> {
         let name = node.desc().name.split_once("::")?.1;
         if let Some(operation) = name.strip_prefix("GuardedInt") {
-            // Where it is not active it gives 0.
+            // An inactive guarded operation returns 0.
             let (Term::Bool(active), rest) = inputs.split_first()? else {
                 return None;
             };
@@ -391,7 +391,7 @@ impl Symbolic {
         })
     }
 
-    /// Whether two integers differ by at most the slack.
+    /// Literal that is true exactly if two integers differ by at most `slack`.
     fn near_integers(&mut self, inputs: &[Term], slack: i64) -> Option<Term> {
         let [Term::Int(a), Term::Int(b)] = inputs else {
             return None;

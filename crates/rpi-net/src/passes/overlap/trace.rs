@@ -1,4 +1,4 @@
-//! Runs with given or made-up inputs: they find what can happen, and show what the registers hold.
+//! Runs with given or random inputs: they find possible events and provide samples of the registers.
 
 use super::concrete::{Concrete, Plain, Pool, Random, STEADY, Script};
 use super::cycle::{Cycle, State, first_state};
@@ -8,37 +8,37 @@ use crate::net::{Input, Net, NodeId, PortRef};
 use rpi_image::{Role, Scalar, Type, Value};
 use rustc_hash::FxHashMap;
 
-/// Cycles of a run, at most.
+/// Maximal number of cycles of a run.
 const LENGTH: usize = 24;
-/// Cycles of a long run, at most, and how many of those there are.
+/// Maximal number of cycles of a long run, and the number of long runs.
 const LONG: usize = 5_000;
 const LONG_RUNS: u64 = 3;
-/// States that are kept as samples, at most.
+/// Maximal number of states kept as samples.
 const SAMPLES: usize = 400;
-/// Runs like one of the solver that are tried, at most.
+/// Maximal number of variations of a run from the solver.
 const VARIATIONS: u64 = 64;
-/// Inputs that are rounded, at most.
+/// Maximal number of inputs that are rounded.
 const ROUNDED: usize = 12;
-/// Values in a pool, at most.
+/// Maximal number of boundary values per type.
 const POOL: usize = 64;
 
-/// A run at the end of which a pair happens: its inputs, and how many cycles come before the last one.
+/// Run that satisfies a query in its last cycle: its inputs, and the index of that cycle.
 #[derive(Clone, Debug)]
 pub(super) struct Trace {
     pub(super) script: Script,
     pub(super) last: usize,
 }
 
-/// What was seen in runs.
+/// Results of random runs.
 #[derive(Default)]
 pub(super) struct Seen {
-    /// For each pair a run at the end of which it happens.
+    /// For each query, a run that satisfies it in its last cycle.
     pub(super) traces: Vec<Option<Trace>>,
     /// Contents of the registers at the start of cycles.
     pub(super) samples: Vec<State<Concrete<'static>>>,
 }
 
-/// The constants that decide something in a cone, without repetition.
+/// Boundary values of a cone: its constants, without repetition.
 pub(super) fn pool(net: &Net, nodes: &[NodeId]) -> Pool {
     let mut pool = Pool {
         integers: vec![0, 1, 2],
@@ -76,7 +76,7 @@ fn add(pool: &mut Pool, value: &Value) {
     }
 }
 
-/// Runs with made-up inputs until each of these pairs has happened. Takes a step off `steps` for each node that is computed.
+/// Performs random runs until each of these queries is satisfied. Subtracts one step from `steps` per node evaluation.
 pub(super) fn explore(
     question: &Question<'_>,
     pool: &Pool,
@@ -117,8 +117,8 @@ pub(super) fn explore(
     seen
 }
 
-/// A few long runs, for what a counter puts off: the first of them in which one of the pairs happens, and which pair.
-/// Takes a step off `steps` for each node that is computed.
+/// Performs some long runs, for events that a counter delays. Returns the first run that satisfies one of the queries,
+/// with its index. Subtracts one step from `steps` per node evaluation.
 pub(super) fn explore_far(
     question: &Question<'_>,
     pool: &Pool,
@@ -147,8 +147,8 @@ pub(super) fn explore_far(
     })
 }
 
-/// Runs cycles until one has a fault or ends the command. `see` gets the number of a cycle, the registers at its start and
-/// which pairs happen in it for sure; it tells whether to go on.
+/// Runs cycles until one has a fault or ends the command. `see` receives the index of a cycle, the registers at its
+/// start and the queries that are certainly satisfied in it; it returns whether to continue.
 fn run(
     question: &Question<'_>,
     domain: &mut Concrete<'_>,
@@ -179,7 +179,7 @@ fn run(
     }
 }
 
-/// The same state without the life time of its run.
+/// Copies a state to remove the lifetime of its run.
 fn plain(state: &[Flow<Concrete<'_>>]) -> State<Concrete<'static>> {
     let flows = state.iter();
     flows
@@ -190,14 +190,14 @@ fn plain(state: &[Flow<Concrete<'_>>]) -> State<Concrete<'static>> {
         .collect()
 }
 
-/// Whether a run with these inputs shows a pair in its last cycle.
+/// Whether a run with these inputs satisfies a query in its last cycle.
 pub(super) fn shows(question: &Question<'_>, pool: &Pool, pair: usize, trace: &Trace) -> bool {
     let mut domain = Concrete::new(trace.script.clone(), 0, pool);
     domain.is_calm = true;
     ends_with(question, &mut domain, pair, trace.last) && !domain.is_faulty
 }
 
-/// Whether a pair happens in the last cycle of a run.
+/// Whether a query is satisfied in the last cycle of a run.
 fn ends_with(question: &Question<'_>, domain: &mut Concrete<'_>, pair: usize, last: usize) -> bool {
     let mut found = false;
     run(question, domain, last + 1, |number, _, together| {
@@ -207,8 +207,8 @@ fn ends_with(question: &Question<'_>, domain: &mut Concrete<'_>, pair: usize, la
     found
 }
 
-/// A run like the one given that shows a pair in its last cycle, with some of the inputs made up: where the solver knows too
-/// little of what is computed with a real, its values need not fit together.
+/// Varies some inputs of a run at random until it satisfies a query in its last cycle. The solver approximates real
+/// arithmetic, so that its values need not be consistent.
 pub(super) fn varied(
     question: &Question<'_>,
     pool: &Pool,
@@ -236,8 +236,8 @@ pub(super) fn varied(
     })
 }
 
-/// A run with the same end that is easier to read: as short as its last inputs allow, with round reals. A long run stays
-/// as it is.
+/// Simplifies a run with the same last cycle: it is made as short as its last inputs allow, with rounded reals. A long
+/// run is not changed.
 pub(super) fn simplified(question: &Question<'_>, pool: &Pool, pair: usize, trace: Trace) -> Trace {
     let mut best = trace.clone();
     for start in (1..=trace.last).rev().take(LENGTH) {
@@ -283,7 +283,7 @@ pub(super) fn simplified(question: &Question<'_>, pool: &Pool, pair: usize, trac
     best
 }
 
-/// Flows in the last cycle of a run: those of `ports` that are present and known.
+/// Values of `ports` in the last cycle of a run, as far as they are present and exact.
 pub(super) fn values(
     question: &Question<'_>,
     pool: &Pool,

@@ -1,4 +1,4 @@
-//! Some cycles in a row as one problem for the solver.
+//! Unrolling: several consecutive cycles as one problem for the solver.
 
 use super::concrete::Script;
 use super::cone::{Cone, Register};
@@ -11,15 +11,15 @@ use super::symbolic::{Symbolic, Term};
 use crate::solver::{Answer, Lit};
 use rpi_image::{Type, Value};
 
-/// Cycles from the first one on, or from any state.
+/// Consecutive cycles from the start of the command or from an arbitrary state.
 pub(super) struct Unrolled<'a> {
     question: &'a Question<'a>,
     pub(super) domain: Symbolic,
-    /// The registers at the start of each cycle, and after the last one.
+    /// Registers at the start of each cycle, and after the last one.
     pub(super) states: Vec<State<Symbolic>>,
-    /// For each cycle and pair whether it happens there.
+    /// For each cycle and query, whether the cycle satisfies the query.
     together: Vec<Vec<Lit>>,
-    /// For each cycle whether the command ends in it.
+    /// For each cycle, whether the command ends in it.
     over: Vec<Lit>,
 }
 
@@ -30,7 +30,7 @@ impl<'a> Unrolled<'a> {
         Unrolled::new(question, domain, state)
     }
 
-    /// From any contents of the registers, reached or not.
+    /// Starts from arbitrary contents of the registers, reachable or not.
     pub(super) fn from_anywhere(question: &'a Question<'a>) -> Self {
         let mut domain = Symbolic::new(false);
         let state = any_state(&mut domain, &question.cone);
@@ -69,7 +69,7 @@ impl<'a> Unrolled<'a> {
         self.over.push(over);
     }
 
-    /// Whether a pair can happen in the last cycle and, if `only_there`, in none before.
+    /// Whether a query can be satisfied in the last cycle and, if `only_there`, in no earlier one.
     pub(super) fn happens(&mut self, pair: usize, only_there: bool, steps: &mut u64) -> Answer {
         let Some((last, before)) = self.together.split_last() else {
             return Answer::Unknown;
@@ -82,12 +82,12 @@ impl<'a> Unrolled<'a> {
         self.domain.solver.solve(&assumptions, steps)
     }
 
-    /// What must hold for so many cycles to be followed by another one.
+    /// Literals that say that the command does not end in the first `cycles` cycles.
     pub(super) fn going_on(&self, cycles: usize) -> Vec<Lit> {
         self.over[..cycles].iter().map(|over| !*over).collect()
     }
 
-    /// The inputs of the solution that was found last.
+    /// Inputs of the last solution.
     pub(super) fn script(&self) -> Script {
         let solver = &self.domain.solver;
         let sources = self.domain.sources.iter();

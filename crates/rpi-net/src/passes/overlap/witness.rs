@@ -1,4 +1,4 @@
-//! A run in which two things happen, in words: which values make both true.
+//! Witness: an example run in which two events occur, described by the flow values that cause them.
 
 use super::concrete::Pool;
 use super::concrete::TICK_NS;
@@ -11,17 +11,17 @@ use rpi_image::{CommandFlow, Role, Scalar, Type, Value};
 use rustc_hash::FxHashSet;
 use std::fmt;
 
-/// Flows that are named, at most.
+/// Maximal number of flows in a description.
 const NAMED: usize = 4;
-/// Flows that are looked at for a name, at most.
+/// Maximal number of flows searched for a name.
 const SEARCHED: usize = 400;
 
-/// The last cycle of a run.
+/// Description of the last cycle of an example run.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) struct Witness {
-    /// Number of the cycle, from 0.
+    /// Index of the cycle, from 0.
     pub(crate) cycle: usize,
-    /// Flows and states that decide, in words: `` `x` = 3 ``.
+    /// Descriptions of the deciding flows and states: `` `x` = 3 ``.
     parts: Vec<String>,
 }
 
@@ -41,7 +41,7 @@ impl fmt::Display for Witness {
     }
 }
 
-/// What made a pair happen at the end of a run.
+/// Describes the cause of the events at the end of a run.
 pub(super) fn of(question: &Question<'_>, pool: &Pool, pair: usize, trace: &Trace) -> Witness {
     let mut search = Search {
         question,
@@ -77,13 +77,13 @@ pub(super) fn of(question: &Question<'_>, pool: &Pool, pair: usize, trace: &Trac
     }
 }
 
-/// Goes back from what happens to the nearest flows that have a name.
+/// Backward search from the events to the nearest flows with a name.
 struct Search<'a> {
     question: &'a Question<'a>,
     seen: FxHashSet<PortRef>,
     open: Vec<PortRef>,
     named: Vec<PortRef>,
-    /// Fragments that must be active, where no flow with a name says when: states.
+    /// Fragments that must be active and have no named condition: states of automata.
     active: Vec<FragmentId>,
 }
 
@@ -95,7 +95,7 @@ impl Search<'_> {
         }
     }
 
-    /// What decides whether a flow is present; its value does not matter.
+    /// Adds the flows that decide whether a flow is present, independently of its value.
     fn presence(&mut self, port: PortRef) {
         let node = self.question.cone.net.node(port.node);
         let inputs = match Gate::of(node) {
@@ -125,7 +125,7 @@ impl Search<'_> {
         for id in net.enclosing(id) {
             let fragment = net.fragment(id);
             if let Activation::When { condition, .. } = fragment.activation {
-                // The condition of a state is made of the automaton around it.
+                // The condition of a state is derived from the automaton around it.
                 let is_state = net
                     .node(condition.node)
                     .origin
@@ -165,7 +165,7 @@ impl Search<'_> {
     }
 }
 
-/// A flow's name as its author knows it.
+/// Name of the flow in the source.
 fn name(node: &Node) -> Option<String> {
     let core = match node.desc().role {
         Role::Flow(CommandFlow::Time | CommandFlow::Elapsed) => Some("time"),
@@ -191,7 +191,7 @@ fn is_told(node: &Node, port: PortRef) -> bool {
         )
 }
 
-/// A value in words, as they follow the name of the flow.
+/// Describes a value, to be appended to the name of its flow.
 fn text(node: &Node, value: &Value) -> Option<String> {
     if node.desc().role == Role::Flow(CommandFlow::Elapsed) {
         let seconds = rpi_prims::seconds(value.as_int()?, TICK_NS);

@@ -1,8 +1,9 @@
-//! Propagation of facts about one cycle: what follows from some flows being true and some fragments being active.
+//! Constraint propagation of facts about one cycle: consequences of some flows being true and some fragments being
+//! active.
 //!
-//! Each flow has a set of what it can be; gates narrow the sets of their inputs and outputs until nothing changes, or
-//! a set is empty: then the facts contradict each other. Only nodes of fragments that are known to be active take part,
-//! for the others are not evaluated. Sound, not complete, and bounded.
+//! Each flow has a set of possible values. Gates narrow the sets of their inputs and outputs until nothing changes, or
+//! a set becomes empty, which is a contradiction. Only nodes in fragments that are known to be active are propagated,
+//! since other nodes are not evaluated. The method is sound, incomplete and bounded.
 
 use super::Happening;
 use super::numbers;
@@ -15,7 +16,7 @@ use rpi_image::{Presence, Role};
 use std::cell::Cell;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What proofs look at.
+/// Net with the analyses that proofs use.
 #[derive(Clone, Copy)]
 pub(crate) struct Background<'a> {
     pub(crate) net: &'a Net,
@@ -25,7 +26,7 @@ pub(crate) struct Background<'a> {
 }
 
 impl Background<'_> {
-    /// What may keep something from happening: fragments around it that are not always active, and flows that may be absent there.
+    /// Obstacles to an event: enclosing fragments that are not always active, and flows that may be absent.
     pub(crate) fn doubts(self, happening: &Happening) -> (Vec<FragmentId>, Vec<PortRef>) {
         let Background {
             net,
@@ -42,11 +43,11 @@ impl Background<'_> {
     }
 }
 
-/// The facts contradict each other.
+/// Error for facts that contradict each other.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct Contradiction;
 
-/// How many nodes may still be looked at.
+/// Remaining number of node visits.
 pub(crate) type Effort = Cell<u32>;
 
 /// Facts about one cycle.
@@ -76,7 +77,7 @@ impl<'a> Facts<'a> {
         self.background
     }
 
-    /// Adds that a fragment is active, and with it all around it.
+    /// Adds that a fragment and all enclosing ones are active.
     pub(crate) fn activate(&mut self, fragment: FragmentId) -> Held {
         let chain: Vec<FragmentId> = self.background.net.enclosing(fragment).collect();
         for id in chain.into_iter().rev() {
@@ -101,7 +102,7 @@ impl<'a> Facts<'a> {
         self.require(parent, *condition, allowed)
     }
 
-    /// Adds that a flow, as seen from a fragment that is active, is one of `allowed`.
+    /// Adds that a flow, as seen from an active fragment, has a value in `allowed`.
     pub(crate) fn require(&mut self, reader: FragmentId, port: PortRef, allowed: Set) -> Held {
         let gates = self.gates(reader, port);
         if !allowed.has(Set::ABSENT) {
@@ -114,13 +115,13 @@ impl<'a> Facts<'a> {
         {
             return self.deactivate(gate);
         } else if !gates.is_empty() {
-            // It may be absent because its fragment is inactive: then nothing follows for the flow itself.
+            // The flow may be absent because its fragment is inactive, so nothing is known about its own value.
             return Ok(());
         }
         self.narrow(port, allowed)
     }
 
-    /// Whether a flow is there whenever its fragment is active.
+    /// Whether a flow is present whenever its fragment is active.
     fn is_present_inside(&self, fragment: FragmentId, port: PortRef) -> bool {
         let mut facts = Facts::new(self.background, self.effort);
         let absent = facts
@@ -129,7 +130,7 @@ impl<'a> Facts<'a> {
         absent.is_err()
     }
 
-    /// Adds that a fragment is inactive in a parent that is active.
+    /// Adds that a fragment is inactive while its parent is active.
     fn deactivate(&mut self, id: FragmentId) -> Held {
         let fragment = self.background.net.fragment(id);
         let (Activation::When { condition, absent }, Some(parent)) =
@@ -137,7 +138,7 @@ impl<'a> Facts<'a> {
         else {
             return Err(Contradiction);
         };
-        // The conditions of a program are total: the type checker has seen to that (M4), unless one comes from a clock beside.
+        // Conditions of a program are total (M4), which the type checker ensures, except those from a sibling clock.
         let is_program = matches!(self.background.net.driver, Driver::Results(_));
         let is_total = is_program && self.gates(parent, *condition).is_empty();
         let allowed = match absent {
@@ -147,7 +148,7 @@ impl<'a> Facts<'a> {
         self.require(parent, *condition, allowed)
     }
 
-    /// Adds that something does not happen. Where it could fail to in several ways nothing is added.
+    /// Adds that an event does not occur. Adds nothing if more than one cause is possible.
     pub(crate) fn deny(&mut self, happening: &Happening) -> Held {
         let (gates, open) = self.background.doubts(happening);
         match (&gates[..], &open[..]) {
@@ -158,13 +159,13 @@ impl<'a> Facts<'a> {
         }
     }
 
-    /// Adds that a flow of an active fragment is one of `allowed`, and all that follows.
+    /// Adds that a flow of an active fragment has a value in `allowed`, and propagates.
     pub(crate) fn suppose(&mut self, port: PortRef, allowed: Set) -> Held {
         self.narrow(port, allowed)?;
         self.propagate()
     }
 
-    /// These facts and others together.
+    /// Combines two sets of facts.
     pub(crate) fn joined(&self, other: &Facts<'a>) -> Result<Facts<'a>, Contradiction> {
         let mut both = self.clone();
         both.active.extend(&other.active);
@@ -174,11 +175,12 @@ impl<'a> Facts<'a> {
         Ok(both)
     }
 
-    /// Follows all facts up to the end.
+    /// Propagates all facts until nothing changes or the effort is exhausted.
     pub(crate) fn propagate(&mut self) -> Held {
         while let Some(id) = self.queue.pop_first() {
             let left = self.effort.get();
             if left == 0 {
+                // Stopping early is sound: fewer facts prove less.
                 self.queue.clear();
                 return Ok(());
             }
@@ -188,12 +190,12 @@ impl<'a> Facts<'a> {
         self.check_numbers()
     }
 
-    /// Compares what comparisons say of numbers.
+    /// Checks the comparisons of numbers for contradictions.
     pub(crate) fn check_numbers(&self) -> Held {
         numbers::check(self.background.net, &self.known)
     }
 
-    /// What a flow can be within its own fragment.
+    /// Possible values of a flow within its own fragment.
     pub(crate) fn own(&self, port: PortRef) -> Set {
         self.known
             .get(&port)
@@ -201,7 +203,7 @@ impl<'a> Facts<'a> {
             .unwrap_or_else(|| self.at_first(port))
     }
 
-    /// Flows of which something is known that does not hold anyway.
+    /// Flows with facts.
     pub(crate) fn known(&self) -> impl Iterator<Item = (PortRef, Set)> + '_ {
         self.known.iter().map(|(port, set)| (*port, *set))
     }
@@ -220,7 +222,7 @@ impl<'a> Facts<'a> {
         }
     }
 
-    /// Fragments that must be active for a flow to be seen, as far as it is not known that they are.
+    /// Fragments that must be active for the reader to see the flow as present, except those known to be active.
     fn gates(&self, reader: FragmentId, port: PortRef) -> Vec<FragmentId> {
         let Background {
             net,
@@ -251,7 +253,7 @@ impl<'a> Facts<'a> {
         Ok(())
     }
 
-    /// What an input is seen as.
+    /// Possible values of an input as its reader sees them.
     fn seen(&self, reader: FragmentId, input: &Input) -> Set {
         match input {
             Input::Open => Set::ABSENT,
@@ -261,7 +263,7 @@ impl<'a> Facts<'a> {
         }
     }
 
-    /// Narrows what a node's ports can be.
+    /// Narrows the possible values of a node's ports.
     fn revise(&mut self, id: NodeId) -> Held {
         let node = self.background.net.node(id);
         let is_state = matches!(node.desc().role, Role::Delay | Role::Constant);
@@ -279,7 +281,7 @@ impl<'a> Facts<'a> {
         }
     }
 
-    /// Keeps of inputs and output what occurs in some combination that the gate allows.
+    /// Keeps the values of inputs and output that occur in some combination allowed by the gate.
     fn revise_gate(&mut self, id: NodeId, seen: &[Set], gate: impl Fn(&[Set]) -> Set) -> Held {
         let net = self.background.net;
         let port = PortRef { node: id, port: 0 };
@@ -328,7 +330,7 @@ impl<'a> Facts<'a> {
         Ok(())
     }
 
-    /// What follows for the inputs if an output is absent.
+    /// Narrows the inputs of a node whose output is absent.
     fn revise_absent(&mut self, id: NodeId, rule: Presence, seen: &[Set]) -> Held {
         let node = self.background.net.node(id);
         let open = connected(node, seen)
@@ -344,7 +346,7 @@ impl<'a> Facts<'a> {
         Ok(())
     }
 
-    /// [`Facts::narrow`] unless it says nothing new.
+    /// Like [`Facts::narrow`], but does nothing if the set does not change.
     fn narrow_if(&mut self, port: PortRef, allowed: Set) -> Held {
         match self.own(port).within(allowed) {
             true => Ok(()),
@@ -353,13 +355,13 @@ impl<'a> Facts<'a> {
     }
 }
 
-/// The inputs of a node that are connected, and what they are seen as.
+/// Connected inputs of a node with their possible values.
 fn connected<'n>(node: &'n Node, seen: &'n [Set]) -> impl Iterator<Item = (&'n Input, &'n Set)> {
     let inputs = node.inputs.iter().zip(seen);
     inputs.filter(|(input, _)| !matches!(input, Input::Open))
 }
 
-/// All ways to choose one member of each set.
+/// Cartesian product: all ways to choose one member of each set.
 fn combinations(sets: &[Set]) -> Vec<Vec<Set>> {
     sets.iter().fold(vec![Vec::new()], |done, set| {
         let with = |chosen: &Vec<Set>, member| {

@@ -1,8 +1,8 @@
-//! Latches (`Core::Trigger`) that are never on together, because of what happened in earlier cycles.
+//! Latches (`Core::Trigger`) that are never on in the same cycle because of earlier cycles.
 //!
-//! A latch without reset goes on at most once and off for good. So two exclude each other if whatever switches the one
-//! on, or had to be on before that, switches the other off; or if both are switched on by a signal that comes at most
-//! once, and not both in one cycle.
+//! A latch without reset turns on at most once and then off for good. So two latches exclude each other if the cause of
+//! one, or a latch that must have been on before it, turns the other off. They also exclude each other if both are
+//! turned on by a signal that occurs at most once, but never both in one cycle.
 
 use super::facts::{Background, Effort, Facts};
 use super::truth::Set;
@@ -11,22 +11,22 @@ use rpi_image::{Role, Value};
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Flows that one question looks at, at most.
+/// Maximal number of flows visited per question.
 const EFFORT: usize = 400;
-/// Gates within each other that are followed; deeper ones count as unknown.
+/// Maximal nesting depth of gates; deeper ones count as unknown.
 const DEPTH: usize = 100;
 
-/// All latches of a net that go on at most once.
+/// Latches of a net that turn on at most once.
 pub(super) struct Latches {
     /// Index of a latch by its node.
     index: BTreeMap<NodeId, usize>,
-    /// For each latch those that it switches off for good when it goes on.
+    /// For each latch, the latches that it turns off for good when it turns on.
     stops: Vec<BTreeSet<usize>>,
-    /// For each latch those that must have been on before or when it goes on.
+    /// For each latch, the latches that must have been on before it or turn on with it.
     needs: Vec<BTreeSet<usize>>,
-    /// For each latch the signals that come at most once and must be there when it goes on.
+    /// For each latch, the signals that occur at most once and must be true when it turns on.
     once: Vec<BTreeSet<PortRef>>,
-    /// Pairs of latches that cannot go on in the same cycle, as far as it was asked.
+    /// Cache: whether a pair of latches cannot turn on in the same cycle.
     apart: RefCell<BTreeMap<(usize, usize), bool>>,
     nodes: Vec<NodeId>,
 }
@@ -82,7 +82,7 @@ impl Latches {
         })
     }
 
-    /// A latch and all that must have been on before it or with it.
+    /// Returns a latch with all latches that must have been on before it or with it.
     fn on_before(&self, latch: usize) -> BTreeSet<usize> {
         let mut all = BTreeSet::from([latch]);
         let mut open = vec![latch];
@@ -123,7 +123,7 @@ impl Latches {
     }
 }
 
-/// Whether a node is a latch that nothing starts afresh.
+/// Whether a node is a latch that is never reset.
 fn goes_on_once(background: Background<'_>, id: NodeId) -> bool {
     let net = background.net;
     let node = net.node(id);
@@ -154,13 +154,13 @@ fn is_constant(background: Background<'_>, input: &Input, wanted: bool) -> bool 
     value.and_then(Value::as_bool) == Some(wanted)
 }
 
-/// What is connected to a latch's `inOn` (0) or `inOff` (1).
+/// Source of a latch's `inOn` (0) or `inOff` (1).
 fn switch(background: Background<'_>, latch: NodeId, input: usize) -> Option<PortRef> {
     background.net.node(latch).inputs.get(input)?.port()
 }
 
-/// A flow, the operands of the gates of this type that it comes from, theirs, and so on: of conjunctions what must be
-/// true with it, of disjunctions what makes it true.
+/// Transitive closure of a flow over the operands of gates of one type. For conjunctions, all flows that must be true
+/// with it; for disjunctions, all flows that make it true.
 fn closure(background: Background<'_>, start: Option<PortRef>, gate: &str) -> BTreeSet<PortRef> {
     let mut all: BTreeSet<PortRef> = start.into_iter().collect();
     let mut open: Vec<PortRef> = all.iter().copied().collect();
@@ -174,8 +174,8 @@ fn closure(background: Background<'_>, start: Option<PortRef>, gate: &str) -> BT
     all
 }
 
-/// For each latch those that it stops: what is true when it goes on makes their `inOff` true, and they stand in its
-/// fragment or around it, so that they are evaluated then.
+/// For each latch, the latches that it turns off: a flow that is true when it turns on implies their `inOff`, and they
+/// are in the same fragment or an enclosing one, so that they are evaluated in that cycle.
 fn stops(
     background: Background<'_>,
     nodes: &[NodeId],
@@ -202,7 +202,7 @@ fn stops(
     consequences.iter().enumerate().map(of).collect()
 }
 
-/// Whether a flow is true in one cycle at most.
+/// Whether a flow is true in at most one cycle.
 fn comes_once(
     background: Background<'_>,
     port: PortRef,
@@ -230,7 +230,7 @@ fn comes_once(
     }
 }
 
-/// Finds the latches that must have been on for a flow to be true.
+/// Search for the latches that must have been on for a flow to be true.
 struct Finder<'a, 'b> {
     background: Background<'a>,
     index: &'b BTreeMap<NodeId, usize>,
@@ -249,7 +249,7 @@ impl Finder<'_, '_> {
         if let Some(found) = self.found.get(&port) {
             return found.clone();
         }
-        // While it is being found out nothing is known of it; less is sound.
+        // Breaks recursion: an empty set is sound for a flow whose set is being computed.
         self.found.insert(port, BTreeSet::new());
         let node = self.background.net.node(port.node);
         let mut all = self.by_gate(port.node, node, depth + 1);
@@ -294,7 +294,7 @@ impl Finder<'_, '_> {
         else {
             return BTreeSet::new();
         };
-        // An absent condition may activate, too; a latch is always present.
+        // An absent condition may also activate, but a latch is always present.
         match self.index.get(&condition.node) {
             Some(latch) => BTreeSet::from([*latch]),
             None if depth < DEPTH && self.is_total(fragment, condition) => {

@@ -1,8 +1,8 @@
-//! Proofs that two things never happen in the same cycle.
+//! Fact-based prover: proves that two events never occur in the same cycle.
 //!
-//! Three ways, each sound and bounded: facts about one cycle that contradict each other ([`facts`]), the same in every
-//! case of one or two flows, and latches of which one switches the other off for good or that are
-//! decided in one and the same cycle ([`latches`]). What is not proved is watched at run time.
+//! It uses three sound and bounded methods: contradictory facts about one cycle ([`facts`]), a case distinction on one
+//! or two flows, and latches that turn each other off for good or are turned on by the same one-time signal
+//! ([`latches`]). What is not proved is checked at run time.
 
 pub(crate) mod facts;
 mod latches;
@@ -18,29 +18,29 @@ use std::collections::BTreeMap;
 use std::rc::Rc;
 use truth::Set;
 
-/// Cases that are told apart within each other.
+/// Maximal depth of case distinctions.
 const DEPTH: usize = 2;
-/// Flows on which cases are tried at each depth.
+/// Maximal number of flows tried for a case distinction at each depth.
 const CASES: usize = 6;
-/// Nodes that all proofs for one net look at together, at most: without cases, and then with cases.
+/// Maximal number of node visits of all proofs for one net: without and with case distinctions.
 const EFFORT: u32 = 10_000;
 const EFFORT_FOR_CASES: u32 = 2_000;
 
-/// What must hold for something to happen: fragments that are active, and flows that are seen present from one.
+/// Event in a cycle: a fragment is active, and some flows are present as seen from it.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) struct Happening {
     pub(crate) fragment: FragmentId,
     pub(crate) present: Vec<PortRef>,
 }
 
-/// Proves things about one net, as long as its effort lasts.
+/// Prover for one net with a limited effort.
 pub(crate) struct Prover<'a> {
     background: Background<'a>,
     effort: &'a Effort,
     latches: Latches,
-    /// What follows from one fragment being active.
+    /// Cached facts that follow from one fragment being active.
     alone: BTreeMap<FragmentId, Result<Rc<Facts<'a>>, Contradiction>>,
-    /// What follows from two being active, for those that were asked.
+    /// Cached facts that follow from two fragments being active.
     together: BTreeMap<(FragmentId, FragmentId), Result<Rc<Facts<'a>>, Contradiction>>,
 }
 
@@ -56,8 +56,8 @@ impl<'a> Prover<'a> {
         }
     }
 
-    /// For each pair of things whether they are proved never to happen in the same cycle. Easy proofs come first, so
-    /// that none of them is missed because a hard one took all the effort.
+    /// For each pair of events, whether it is proved that they never occur in the same cycle. Easy proofs come first,
+    /// so that a hard one cannot use up their effort.
     pub(crate) fn never_together(&mut self, pairs: &[[Happening; 2]]) -> Vec<bool> {
         let easy: Vec<bool> = pairs
             .iter()
@@ -70,7 +70,7 @@ impl<'a> Prover<'a> {
             .collect()
     }
 
-    /// Whether it is proved that in every cycle one of some things happens.
+    /// Whether it is proved that one of these events occurs in every cycle.
     pub(crate) fn always_one(&mut self, of: &[Happening]) -> bool {
         self.effort.set(EFFORT_FOR_CASES);
         let mut facts = Facts::new(self.background, self.effort);
@@ -78,13 +78,13 @@ impl<'a> Prover<'a> {
         denied.and_then(|()| facts.propagate()).is_err() || self.refuted(&facts, DEPTH)
     }
 
-    /// Whether one pair is proved so, with cases told apart to this depth.
+    /// Whether a pair is proved exclusive with case distinctions up to this depth.
     pub(crate) fn is_refuted(&mut self, a: &Happening, b: &Happening, depth: usize) -> bool {
         let Ok(both) = self.both_active(a.fragment, b.fragment, depth) else {
             return true;
         };
         if depth == 0 || self.effort.get() == 0 || [a, b].iter().all(|h| self.is_sure(h)) {
-            // Nothing more follows from what is present: all has been tried with the fragments.
+            // Presence adds no facts: the facts of the fragments have already been tried.
             return false;
         }
         let mut facts = Facts::clone(&both);
@@ -95,12 +95,12 @@ impl<'a> Prover<'a> {
         all.and_then(|()| facts.propagate()).is_err() || self.refuted(&facts, depth)
     }
 
-    /// Whether all that must be present is so whenever the fragment is active.
+    /// Whether all flows of an event are present whenever its fragment is active.
     fn is_sure(&self, happening: &Happening) -> bool {
         self.background.doubts(happening).1.is_empty()
     }
 
-    /// What follows from two fragments being active; a contradiction if they never are.
+    /// Facts that follow from two fragments being active; an error if they never are in the same cycle.
     fn both_active(
         &mut self,
         a: FragmentId,
@@ -119,8 +119,7 @@ impl<'a> Prover<'a> {
         found
     }
 
-    /// Facts that were put together, unless they contradict each other. At depth 0 only what meets directly is looked
-    /// at, so that many pairs are cheap.
+    /// Checks combined facts for contradictions. At depth 0 facts are not propagated, so that many pairs are cheap.
     fn examined(&self, mut facts: Facts<'a>, depth: usize) -> Result<Rc<Facts<'a>>, Contradiction> {
         if depth > 0 {
             facts.propagate()?;
@@ -147,7 +146,7 @@ impl<'a> Prover<'a> {
         self.latches.exclude(facts, self.effort) || self.refuted_in_cases(facts, depth)
     }
 
-    /// Whether the facts contradict each other whatever some flow is.
+    /// Whether the facts are contradictory for every value of some flow.
     fn refuted_in_cases(&self, facts: &Facts<'_>, depth: usize) -> bool {
         if depth == 0 || self.effort.get() == 0 {
             return false;
@@ -165,8 +164,8 @@ impl<'a> Prover<'a> {
     }
 }
 
-/// Whether a flow is proved never to be true, seen from a fragment that is active, in cycles in which some other flows of
-/// the command are false. What that takes is taken from `all`, which many proofs share.
+/// Whether it is proved that a flow, as seen from an active fragment, is never true in cycles in which some other flows
+/// of the command are false. The effort is taken from `all`, which many proofs share.
 pub(crate) fn never_true_without(
     background: Background<'_>,
     all: &Effort,

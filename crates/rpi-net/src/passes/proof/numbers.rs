@@ -1,5 +1,5 @@
-//! Contradictions between comparisons of one number with constants: `x = 1` and `x = 2`, `x > 3` and `x <= 2`; and
-//! integers that are none of the few that they can be.
+//! Contradictions between comparisons of a number with constants, such as `x = 1` and `x = 2` or `x > 3` and `x <= 2`,
+//! and integers for which all possible values are excluded.
 
 use super::facts::Contradiction;
 use super::truth::Set;
@@ -8,16 +8,16 @@ use crate::net::{Input, Net, Node, PortRef};
 use rpi_image::{Role, Scalar, Type, Value};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What comparisons say of one number.
+/// Interval that comparisons imply for one number.
 #[derive(Clone, Copy)]
 struct Range {
     above: f64,
     below: f64,
-    /// Whether the ends are excluded.
+    /// Whether each bound is excluded (lower, upper).
     open: (bool, bool),
-    /// Whether one of the comparisons holds, so that it is a number at all.
+    /// Whether some comparison holds, so that the number is not NaN.
     is_number: bool,
-    /// Whether the ends are seconds rounded up to ticks: two that differ may be the same tick.
+    /// Whether the bounds are seconds that are rounded up to ticks: different bounds may be the same tick.
     in_ticks: bool,
 }
 
@@ -63,7 +63,7 @@ impl Range {
         }
     }
 
-    /// Whether an integer in it can be this one only.
+    /// Whether this value is the only integer in the interval.
     fn is_just(self, value: i64) -> bool {
         let value = as_number(&Value::int(value));
         value == Some(self.above) && value == Some(self.below)
@@ -79,7 +79,7 @@ impl Range {
     }
 }
 
-/// Looks for a number that cannot be all that is known of its comparisons.
+/// Returns an error if the comparisons of some number contradict each other.
 pub(super) fn check(net: &Net, known: &BTreeMap<PortRef, Set>) -> Result<(), Contradiction> {
     let mut ranges: BTreeMap<PortRef, Range> = BTreeMap::new();
     for (port, set) in known {
@@ -106,14 +106,14 @@ pub(super) fn check(net: &Net, known: &BTreeMap<PortRef, Set>) -> Result<(), Con
     check_excluded(net, known, &ranges)
 }
 
-/// Whether a flow is never NaN, which is neither above anything nor below.
+/// Whether a flow is never NaN, for which all comparisons are false.
 fn is_always_number(net: &Net, number: PortRef) -> bool {
     let node = net.node(number.node);
     let is_integer = node.outputs.get(usize::from(number.port)) == Some(&Type::One(Scalar::Int));
     is_integer || matches!(node.desc().role, Role::Flow(_))
 }
 
-/// Looks for an integer that is none of all that it can be.
+/// Returns an error if all possible values of some integer are excluded.
 fn check_excluded(
     net: &Net,
     known: &BTreeMap<PortRef, Set>,
@@ -142,7 +142,7 @@ fn check_excluded(
     }
 }
 
-/// The integer and the constant that are compared for being equal.
+/// Integer and constant of an exact equality.
 fn equals(node: &Node) -> Option<(PortRef, i64)> {
     let exact = node
         .params
@@ -159,7 +159,7 @@ fn equals(node: &Node) -> Option<(PortRef, i64)> {
     }
 }
 
-/// What a comparison with a constant says of the number: which flow it is, and where it lies.
+/// Number and interval of a comparison with a constant.
 fn range(node: &Node, holds: bool) -> Option<(PortRef, Range)> {
     let name = node.desc().name;
     let (first, second) = (node.inputs.first()?, node.inputs.get(1)?);
@@ -181,8 +181,8 @@ fn range(node: &Node, holds: bool) -> Option<(PortRef, Range)> {
         .then(|| (number, compared_with(constant, or_equal, is_first, holds)))
 }
 
-/// What a comparison with a duration that is fixed says of a number of ticks, in seconds. How long a tick is is not known, and a
-/// duration is rounded up to ticks: the longer of two durations has at least as many.
+/// Number of ticks and interval, in seconds, of a comparison with a constant duration. The tick length is unknown, and
+/// durations are rounded up to ticks; so the longer of two durations has at least as many ticks.
 fn range_in_ticks(net: &Net, node: &Node, holds: bool) -> Option<(PortRef, Range)> {
     let or_equal = match node.desc().name {
         "Core::IntGreater" => false,
@@ -204,7 +204,8 @@ fn range_in_ticks(net: &Net, node: &Node, holds: bool) -> Option<(PortRef, Range
     Some((number, range))
 }
 
-/// Where a number lies that is, or is not, above a constant, or below it if it stands second.
+/// Interval of a number for which a comparison with a constant has the truth value `holds`. `is_first` says whether the
+/// number is the left operand.
 fn compared_with(constant: f64, or_equal: bool, is_first: bool, holds: bool) -> Range {
     match (is_first, holds) {
         (true, true) => Range::from(constant, !or_equal),
@@ -214,7 +215,7 @@ fn compared_with(constant: f64, or_equal: bool, is_first: bool, holds: bool) -> 
     }
 }
 
-/// The duration that a port gives in ticks, if it is fixed.
+/// Duration of a flow in seconds, if it is a constant number of ticks.
 fn duration(net: &Net, port: PortRef) -> Option<f64> {
     let node = net.node(port.node);
     match (node.desc().name, node.inputs.first()?) {
@@ -223,11 +224,12 @@ fn duration(net: &Net, port: PortRef) -> Option<f64> {
     }
 }
 
-/// `a >= b`
+/// Primitives for `a >= b`.
 const OR_EQUAL: [&str; 2] = ["Rpi::IntGreaterOrEqual", "Rpi::DoubleGreaterOrEqual"];
 
-/// A real or an integer that a real can hold.
+/// Value as a real; `None` for NaN and for integers that a real cannot represent.
 fn as_number(value: &Value) -> Option<f64> {
+    // Integers up to 2^53 are exact in a double.
     const EXACT: i64 = 1 << 53;
     let int = || {
         value

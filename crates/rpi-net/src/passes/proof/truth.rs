@@ -1,22 +1,22 @@
-//! What a Boolean gate can give for what it gets, in three-valued logic with absence.
+//! Truth tables of Boolean gates in three-valued logic with absence.
 //!
-//! The registry has the code of every primitive but not its logic; proofs need that of the few gates that activations are
-//! made of. A test compares this table with the code.
+//! The registry has the code of every primitive but not its logic. Proofs need the logic of the few gates from which
+//! activations are built. A test compares this table with the code.
 
 use crate::net::Node;
 use rpi_image::{Presence, Role, Scalar, Type, Value};
 
-/// A set of what a flow can be in a cycle.
+/// Set of possible values of a flow in a cycle.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct Set(u8);
 
 impl Set {
-    /// True; for a flow that is no Boolean: present.
+    /// True; for a flow that is not a Boolean: present.
     pub(crate) const TRUE: Set = Set(1);
     pub(crate) const FALSE: Set = Set(2);
     pub(crate) const ABSENT: Set = Set(4);
     pub(crate) const NONE: Set = Set(0);
-    /// Present, whatever the value.
+    /// Present with any value.
     pub(crate) const PRESENT: Set = Set(3);
 
     pub(crate) const fn and(self, other: Set) -> Set {
@@ -31,7 +31,7 @@ impl Set {
         self.0 & other.0 != 0
     }
 
-    /// Whether it is `other` or part of it.
+    /// Whether the set is a subset of `other`.
     pub(crate) const fn within(self, other: Set) -> bool {
         self.0 & !other.0 == 0
     }
@@ -40,7 +40,7 @@ impl Set {
         if value { Set::TRUE } else { Set::FALSE }
     }
 
-    /// Its single members.
+    /// Members of the set as singletons.
     pub(crate) fn members(self) -> impl Iterator<Item = Set> {
         [Set::TRUE, Set::FALSE, Set::ABSENT]
             .into_iter()
@@ -48,10 +48,10 @@ impl Set {
     }
 }
 
-/// What a gate can give for single members at its inputs.
+/// Possible outputs of a gate for single values of its inputs.
 type Gate = fn(&Node, &[Set]) -> Set;
 
-/// The gates whose logic is known, by registered name.
+/// Gates with a truth table, by registered name.
 const GATES: &[(&str, Gate)] = &[
     ("Core::BooleanAnd", |_, i| and(i[0], i[1])),
     ("Core::BooleanOr", |_, i| not(and(not(i[0]), not(i[1])))),
@@ -80,7 +80,7 @@ const GATES: &[(&str, Gate)] = &[
     }),
 ];
 
-/// The gate of a node, if its logic is known.
+/// Truth table of a node's gate, if it has one.
 pub(crate) fn gate(node: &Node) -> Option<Gate> {
     let desc = node.desc();
     if desc.role == Role::IsAbsent {
@@ -92,7 +92,7 @@ pub(crate) fn gate(node: &Node) -> Option<Gate> {
         .map(|(_, gate)| *gate)
 }
 
-/// What an output can be by its presence rule alone, for what its connected inputs can be.
+/// Possible values of an output by its presence rule alone, for the sets of its connected inputs.
 pub(crate) fn by_rule(rule: Presence, inputs: &[Set], ty: Type) -> Set {
     let present = if is_boolean(ty) {
         Set::PRESENT
@@ -111,7 +111,7 @@ pub(crate) fn is_boolean(ty: Type) -> bool {
     ty == Type::One(Scalar::Bool)
 }
 
-/// What a constant is.
+/// Value of a constant as a set.
 pub(crate) fn constant(value: &Value) -> Set {
     value.as_bool().map_or(Set::TRUE, Set::of)
 }
@@ -124,7 +124,7 @@ fn not(a: Set) -> Set {
     }
 }
 
-/// Conjunction of Kleene (1952).
+/// Conjunction in strong Kleene logic (1952).
 fn and(a: Set, b: Set) -> Set {
     match (a, b) {
         (Set::FALSE, _) | (_, Set::FALSE) => Set::FALSE,
@@ -149,7 +149,7 @@ fn strict(inputs: &[Set], value: bool) -> Set {
     }
 }
 
-/// An edge can be only where the value is the one that it looks for.
+/// Output of an edge detector: it may be true only if the input has the value that it detects.
 fn edge(node: &Node, value: Set) -> Set {
     let wanted = node.params.first().and_then(Value::as_bool).unwrap_or(true);
     match value {

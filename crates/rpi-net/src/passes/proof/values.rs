@@ -1,20 +1,20 @@
-//! The integers that a flow can be, where it only passes constants on: the states of an automaton, as they are lowered.
+//! Possible values of an integer flow that only forwards constants, such as the lowered state of an automaton.
 
 use crate::net::{Input, Net, PortRef};
 use rpi_image::{Role, Value};
 use std::collections::BTreeSet;
 
-/// Flows that are looked at for one question, at most.
+/// Maximal number of flows visited per question.
 const EFFORT: usize = 2_000;
 
-/// Primitives that give one of their in-ports unchanged, and the first in-port that they may give.
+/// Primitives that forward one of their in-ports unchanged, with the index of the first such in-port.
 const PASSING: &[(&str, usize)] = &[
     ("Core::IntConditional", 1),
     ("Rpi::IntCoalesce", 0),
     ("Rpi::IntPre", 0),
 ];
 
-/// All that a flow can be; none if that is not known.
+/// All possible values of a flow; `None` if they are unknown.
 pub(super) fn of(net: &Net, flow: PortRef) -> Option<BTreeSet<i64>> {
     let mut found = BTreeSet::new();
     let mut seen = BTreeSet::from([flow]);
@@ -28,7 +28,7 @@ pub(super) fn of(net: &Net, flow: PortRef) -> Option<BTreeSet<i64>> {
         }
         let (_, first) = PASSING.iter().find(|(name, _)| *name == desc.name)?;
         if desc.role == Role::Delay {
-            // What it holds at first.
+            // Initial value of the delay.
             found.insert(0);
             found.extend(node.params.iter().filter_map(Value::as_int));
         }

@@ -1,16 +1,16 @@
-//! Stepping through the characters of a net's text, and saying what is wrong at a place.
+//! Character cursor of the net parser, and the syntax errors that it reports.
 
 use super::super::text::{Place, Word};
 use super::{List, Parsed, Parser, Stop};
 use rpi_diag::{Code, Finding, Span};
 
-/// Characters.
+/// Steps through characters.
 impl<'t> Parser<'t> {
     pub(super) fn peek(&self) -> Option<u8> {
         self.out.text.as_bytes().get(self.at).copied()
     }
 
-    /// Steps over one character.
+    /// Skips one character.
     pub(super) fn bump(&mut self) {
         let next = self.out.text[self.at..].chars().next();
         self.at += next.map_or(0, char::len_utf8);
@@ -48,8 +48,8 @@ impl<'t> Parser<'t> {
         Ok(Place::new(at, self.at))
     }
 
-    /// A text in quotes. `\'` and `\\` stand for the sign itself. The reference writes quotes inside a text as they
-    /// are; so a quote ends the text only if something follows that can follow a text.
+    /// Parses a quoted text. `\'` and `\\` are escapes. The reference system does not escape quotes in a text; so a
+    /// quote ends the text only if a token follows that may follow a text.
     pub(super) fn quoted(&mut self) -> Parsed<Word> {
         let bytes = self.out.text.as_bytes();
         let start = self.at;
@@ -65,14 +65,14 @@ impl<'t> Parser<'t> {
             }
         }
         self.at = bytes.len();
-        let finding = Finding::new(Code::RPI0102, "this text has no closing `'`")
-            .at(self.span(start, start + 1), "it begins here")
+        let finding = Finding::new(Code::RPI0102, "missing closing `'`")
+            .at(self.span(start, start + 1), "opened here")
             .help("close it with `'`, followed by `,` or `)`");
         Err(self.fault(finding))
     }
 }
 
-/// Findings.
+/// Diagnostics.
 impl Parser<'_> {
     pub(super) fn span(&self, start: usize, end: usize) -> Span {
         self.out.span(Place::new(start, end))
@@ -89,7 +89,7 @@ impl Parser<'_> {
         let found = found.map_or("the end of the text".into(), |c| format!("`{c}`"));
         let message = format!("expected {expected}, found {found}");
         let place = self.span(self.at, end);
-        self.fault(Finding::new(Code::RPI0101, message).at(place, "not expected here"))
+        self.fault(Finding::new(Code::RPI0101, message).at(place, "unexpected"))
     }
 
     pub(super) fn unclosed(&mut self, list: List) -> Stop {
@@ -117,7 +117,7 @@ fn after_word(bytes: &[u8], at: usize) -> usize {
     at + rest.iter().take_while(inside).count()
 }
 
-/// For each byte whether it can stand in a name.
+/// For each byte, whether it may occur in a name.
 static IN_WORD: [bool; 256] = {
     let (mut table, mut k) = ([false; 256], 0_u8);
     while k < 128 {
@@ -127,8 +127,8 @@ static IN_WORD: [bool; 256] = {
     table
 };
 
-/// Whether what follows a quote says that the text ends there: `)`, or a comma that is not part of the text because a
-/// next argument (`name=`) or nothing sensible follows it.
+/// Whether the token after a quote shows that the text ends there: `)`, or a comma that is not part of the text because
+/// the next argument (`name=`) or no valid token follows it.
 fn ends_text(bytes: &[u8], after_quote: usize) -> bool {
     let at = after_space(bytes, after_quote);
     match bytes.get(at) {

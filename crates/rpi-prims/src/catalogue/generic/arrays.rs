@@ -1,15 +1,15 @@
-//! Arrays of one type: building, reading, slicing, absence.
+//! Arrays of one element type: construction, access, slices and absence.
 
 use crate::bulk::Array;
 use crate::cx::{Cx, FaultCode};
 use crate::flow::Flow;
 use rpi_image::{ShapeArgs, Type};
 
-/// `Array`, `ArrayGet`, `ArraySet`, `ArraySlice`, `ArrayIsNull`, `ArraySetNull` of one type.
+/// Defines `Array`, `ArrayGet`, `ArraySet`, `ArraySlice`, `ArrayIsNull` and `ArraySetNull` of one element type.
 macro_rules! arrays {
     ($prefix:literal, $t:ty) => {
         primitive! {
-            /// A new array of `Size` neutral values (false, 0, identity).
+            /// Array of `Size` neutral values (false, 0 or identity).
             ARRAY = concat!($prefix, "Array");
             in {}
             param { Size: i64 = Int(1) }
@@ -20,7 +20,7 @@ macro_rules! arrays {
         }
 
         primitive! {
-            /// The value at `Index`, counted from 0. `Size` is not needed here.
+            /// Element at `Index`, counted from 0. An index out of range is a fault. `Size` is not used.
             ARRAY_GET = concat!($prefix, "ArrayGet");
             in { inArray: Array<$t> }
             param { Size: i64 = Int(1); Index: i64 = Int(0) }
@@ -31,7 +31,7 @@ macro_rules! arrays {
         }
 
         primitive! {
-            /// The array with the value at `Index`, counted from 0, replaced. `Size` is not needed here.
+            /// Array with the element at `Index`, counted from 0, replaced by `inValue`. `Size` is not used.
             ARRAY_SET = concat!($prefix, "ArraySet");
             in { inArray: Array<$t>; inValue: $t }
             param { Size: i64 = Int(1); Index: i64 = Int(0) }
@@ -46,7 +46,7 @@ macro_rules! arrays {
         }
 
         primitive! {
-            /// `Size` values of the array from index `Start` on, counted from 0.
+            /// Part of an array: `Size` elements from index `Start`, counted from 0.
             ARRAY_SLICE = concat!($prefix, "ArraySlice");
             in { inArray: Array<$t> }
             param { Size: i64 = Int(1); Start: i64 = Int(0) }
@@ -61,7 +61,7 @@ macro_rules! arrays {
         }
 
         interface! {
-            /// True exactly if the array is absent in this cycle.
+            /// True if the array is absent in this cycle.
             ARRAY_IS_NULL = concat!($prefix, "ArrayIsNull");
             in { inValue: Array<$t> }
             out { outValue: bool }
@@ -70,7 +70,7 @@ macro_rules! arrays {
         }
 
         primitive! {
-            /// The array, made absent while `inNull` is true or absent. `Size` is not needed here.
+            /// The array; absent while `inNull` is true or absent. `Size` is not used.
             ARRAY_SET_NULL = concat!($prefix, "ArraySetNull");
             in { inValue: Array<$t>; inNull: bool }
             param { Size: i64 = Int(1) }
@@ -87,7 +87,7 @@ macro_rules! arrays {
 
 pub(super) use arrays;
 
-/// The value at `index`; a fault and the neutral value outside.
+/// Returns the element at `index`; raises a fault and returns the neutral value if it is out of range.
 pub(super) fn get<T: Flow>(cx: &mut Cx<'_>, place: u32, array: Array<T>, index: i64) -> T {
     array.get(cx.cells, index).unwrap_or_else(|| {
         cx.fault(FaultCode::IndexOutOfRange, place);
@@ -95,17 +95,18 @@ pub(super) fn get<T: Flow>(cx: &mut Cx<'_>, place: u32, array: Array<T>, index: 
     })
 }
 
-/// One value, if parameter 1 is an index of input 0.
+/// Returns the type of one element if parameter 1 is a valid index of input 0.
 pub(super) fn one<T: Flow>(args: &ShapeArgs<'_>) -> Option<Type> {
     (args.size(1)? < args.len(0)?).then_some(Type::One(T::SCALAR))
 }
 
-/// As long as input 0, if parameter 1 is an index of it.
+/// Returns the type of input 0 if parameter 1 is a valid index of it.
 pub(super) fn with_index(args: &ShapeArgs<'_>) -> Option<Type> {
     (args.size(1)? < args.len(0)?).then_some(*args.inputs.first()?)?
 }
 
-/// As long as parameter 0 says, if that many follow the start in parameter 1.
+/// Returns an array type with the length in parameter 0, if input 0 has that many elements from the index in parameter
+/// 1.
 pub(super) fn slice<T: Flow>(args: &ShapeArgs<'_>) -> Option<Type> {
     let (size, start) = (args.size(0)?, args.size(1)?);
     (start.checked_add(size)? <= args.len(0)?).then_some(Type::Array(T::SCALAR, size))

@@ -1,6 +1,7 @@
-//! Values that cross a net's border by key: from and to the application, and between nets.
+//! Values exchanged by key with the application and with other nets.
 
-/// `NetcommIn`, `NetcommOut`, `InterNetcommIn`, `InterNetcommOut` of one type, single and as arrays.
+/// Defines `NetcommIn`, `NetcommOut`, `InterNetcommIn` and `InterNetcommOut` of one type, for single values and for
+/// arrays.
 macro_rules! keyed {
     ($prefix:literal, $t:ty) => {
         super::keyed::ports!($prefix, $t, NETCOMM_IN NETCOMM_OUT INTER_NETCOMM_IN INTER_NETCOMM_OUT, Shape::Fixed);
@@ -12,8 +13,8 @@ macro_rules! keyed {
 macro_rules! ports {
     ($prefix:expr, $t:ty, $in:ident $out:ident $inter_in:ident $inter_out:ident, $shape:expr) => {
         interface! {
-            /// A value that the application sets by `Key` between cycles; `Value` until then. `outLastUpdated` is the net time
-            /// of the last update, absent before the first.
+            /// Value that the application sets by `Key` between cycles; `Value` before the first update.
+            /// `outLastUpdated` is the logical time of the last update, absent before the first update.
             $in = concat!($prefix, "NetcommIn");
             in {}
             param { Key: Text = Str(""); Value: $t = Neutral }
@@ -24,8 +25,8 @@ macro_rules! ports {
         }
 
         interface! {
-            /// Publishes the value after each cycle by `Key`; Booleans are visible to rules. `Report` false keeps it from the
-            /// application.
+            /// Publishes the value by `Key` after each cycle. Booleans can be used in rules. If `Report` is false, the
+            /// value is not reported to the application.
             $out = concat!($prefix, "NetcommOut");
             in { inValue: $t = Value(Neutral) }
             param { Key: Text = Str(""); Report: bool = Bool(true) }
@@ -35,8 +36,8 @@ macro_rules! ports {
         }
 
         interface! {
-            /// The value that the net `RemoteNet` (of the control core `RemoteRCC`, empty for this one) publishes by `RemoteKey`;
-            /// absent until it has. `outLastUpdated` is the net time of its last update.
+            /// Value that the net `RemoteNet` of the control core `RemoteRCC` (empty: this one) publishes by
+            /// `RemoteKey`; absent before the first update. `outLastUpdated` is the logical time of the last update.
             $inter_in = concat!($prefix, "InterNetcommIn");
             in {}
             param {
@@ -52,7 +53,8 @@ macro_rules! ports {
         }
 
         interface! {
-            /// Sets the value that the net `RemoteNet` (of the control core `RemoteRCC`, empty for this one) reads by `RemoteKey`.
+            /// Sets the value that the net `RemoteNet` of the control core `RemoteRCC` (empty: this one) reads by
+            /// `RemoteKey`.
             $inter_out = concat!($prefix, "InterNetcommOut");
             in { inValue: $t = Value(Neutral) }
             param {

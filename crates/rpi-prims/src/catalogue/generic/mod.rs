@@ -1,5 +1,5 @@
-//! Operations that exist for each of the eight value types of the reference system, from one definition each, and the same
-//! for times.
+//! Operations that exist for each of the eight value types of the reference system, generated from one definition.
+//! Times have the same operations (see [`time`]).
 
 mod arrays;
 mod keyed;
@@ -7,7 +7,7 @@ pub(super) mod sampled;
 mod scalars;
 pub(in crate::catalogue) mod time;
 
-/// All generic operations of one type, in a module of their own.
+/// Defines all generic operations of one type in its own module.
 macro_rules! operations {
     ($module:ident, $prefix:literal, $t:ty) => {
         pub(in crate::catalogue) mod $module {

@@ -1,4 +1,4 @@
-//! Values of earlier cycles: sample and hold, and looking back by a time.
+//! Values of earlier cycles: sample and hold, and look-up by age.
 
 use crate::bulk::Region;
 use crate::cx::Cx;
@@ -6,12 +6,12 @@ use crate::flow::Flow;
 use crate::ring::Ring;
 use rpi_image::{SizeArgs, Value};
 
-/// `Snapshot` and `AtTime` of one type.
+/// Defines `Snapshot` and `AtTime` of one type.
 macro_rules! sampled {
     ($prefix:literal, $t:ty) => {
         primitive! {
-            /// Sample and hold: takes the value over in cycles in which `inSnapshot` is true and gives the last one taken;
-            /// the parameter `Value` before. An absent value is not taken over.
+            /// Sample and hold: stores the value in each cycle in which `inSnapshot` is true, and outputs the last
+            /// stored value. The output is the parameter `Value` before the first one. An absent value is not stored.
             SNAPSHOT = concat!($prefix, "Snapshot");
             in { inSnapshot: bool; inValue: $t }
             param { Value: $t = Neutral }
@@ -28,9 +28,9 @@ macro_rules! sampled {
         }
 
         primitive! {
-            /// The value of an earlier cycle: `inAge` seconds, rounded down to whole cycles, before the previous one. An age of 0
-            /// is the previous cycle, as in the reference system; ages are limited to `MaxAge`. Absent before there is enough
-            /// history, and where the value was absent then. A cycle without an age is not remembered.
+            /// Value of an earlier cycle: `inAge` seconds, rounded down to whole cycles, before the previous cycle. An
+            /// age of 0 is the previous cycle, as in the reference system. Ages are limited to `MaxAge`. Absent if the
+            /// history is too short, or if the value was absent then. A cycle without an age is not stored.
             AT_TIME = concat!($prefix, "AtTime");
             in { inValue: $t; inAge: f64 = Age(Real(0.0)) }
             param { MaxAge: f64 = Real(1.0) }
@@ -46,7 +46,7 @@ macro_rules! sampled {
 
 pub(super) use sampled;
 
-/// Starts a state with the first parameter.
+/// Initialises a state with the first parameter.
 pub(super) fn first_param(args: &SizeArgs<'_>, state: &mut [u64]) {
     let value = args.params.first().map_or(&[][..], Value::cells);
     if value.len() == state.len() {
@@ -54,12 +54,12 @@ pub(super) fn first_param(args: &SizeArgs<'_>, state: &mut [u64]) {
     }
 }
 
-/// Cells for the history of `MaxAge` seconds and the cycle before it.
+/// Returns the number of slots for a history of `MaxAge` seconds and the cycle before it.
 pub(in crate::catalogue) fn history<T: Flow>(args: &SizeArgs<'_>) -> u32 {
     Ring::<T>::cells(args.cycles(0).saturating_add(1))
 }
 
-/// Remembers the value and looks back.
+/// Returns the value `age` seconds before the previous cycle, then stores the current value.
 pub(in crate::catalogue) fn at_time<T: Flow>(
     cx: &mut Cx<'_>,
     history: Region,
@@ -70,12 +70,13 @@ pub(in crate::catalogue) fn at_time<T: Flow>(
     let age = age?;
     let ring = Ring::<T>::of(history);
     let oldest = ring.capacity() - 1;
+    // The look-up comes before the push, so that age 0 is the previous cycle.
     let back = ring.back(cx.cells, cycles_back(age / max_age, oldest));
     ring.push(cx.cells, value);
     back
 }
 
-/// Whole cycles in a share of the history; ages below 0 count as 0.
+/// Returns the number of whole cycles in a fraction of the history; negative ages count as 0.
 fn cycles_back(share: f64, oldest: usize) -> usize {
     let cycles = libm::floor(share * oldest as f64);
     (cycles.max(0.0) as usize).min(oldest.saturating_sub(1))

@@ -1,10 +1,10 @@
-//! Constants, absence, choice and delay of single values.
+//! Constants, absence, selection and delay of single values.
 
-/// `Value`, `IsNull`, `SetNull`, `Conditional` of one type.
+/// Defines `Value`, `IsNull`, `SetNull` and `Conditional` of one type.
 macro_rules! scalars {
     ($prefix:literal, $t:ty) => {
         interface! {
-            /// The constant `Value`.
+            /// Constant `Value`.
             VALUE = concat!($prefix, "Value");
             in {}
             param { Value: $t = Neutral }
@@ -14,7 +14,7 @@ macro_rules! scalars {
         }
 
         interface! {
-            /// True exactly if the value is absent in this cycle.
+            /// True if the value is absent in this cycle.
             IS_NULL = concat!($prefix, "IsNull");
             in { inValue: $t }
             out { outValue: bool }
@@ -23,7 +23,7 @@ macro_rules! scalars {
         }
 
         primitive! {
-            /// The value, made absent while `inNull` is true or absent.
+            /// The value; absent while `inNull` is true or absent.
             SET_NULL = concat!($prefix, "SetNull");
             in { inValue: $t; inNull: bool }
             out { outValue: $t }
@@ -32,8 +32,8 @@ macro_rules! scalars {
         }
 
         primitive! {
-            /// `True` where the condition holds, else `False`. Absent without a condition or if the chosen one is absent;
-            /// the other one does not matter.
+            /// `inTrue` if the condition is true, else `inFalse`. Absent if the condition or the selected value is
+            /// absent; the other value has no effect.
             CONDITIONAL = concat!($prefix, "Conditional");
             in { inCondition: bool; inTrue: $t = True(Neutral); inFalse: $t = False(Neutral) }
             out { outValue: $t }
@@ -43,11 +43,12 @@ macro_rules! scalars {
     };
 }
 
-/// `Pre` of one type.
+/// Defines `Pre` of one type.
 macro_rules! delay {
     ($prefix:literal, $t:ty) => {
         interface! {
-            /// The value of the previous cycle in which the surrounding fragment was active, absence included; absent at first.
+            /// Value of the previous cycle in which the enclosing fragment was active, absence included. Absent in the
+            /// first cycle.
             PRE = concat!($prefix, "Pre");
             in { inValue: $t }
             out { outValue: $t }

@@ -1,4 +1,5 @@
-//! Times: what the reference system does not have for them, with names of our own. It has their delays.
+//! Operations on times that the reference system does not have, in the namespace `Rpi`. The delays of times are those
+//! of the reference system.
 
 use super::arrays::arrays;
 use super::keyed::keyed;
@@ -16,7 +17,7 @@ arrays!("Rpi::Time", Time);
 keyed!("Rpi::Time", Time);
 
 primitive! {
-    /// True if both times are the same.
+    /// True if both times are equal.
     EQUALS = "Rpi::TimeEquals";
     in { inFirst: Time; inSecond: Time }
     out { outValue: bool }

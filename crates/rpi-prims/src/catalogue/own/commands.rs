@@ -1,4 +1,4 @@
-//! Flows that the core gives to a command, and checks that end it.
+//! Flows that the core provides to a command, and checks that end the command.
 
 use crate::cx::{Cx, FaultCode};
 use crate::macros::{interface, primitive};
@@ -9,7 +9,7 @@ pub(in crate::catalogue) const ALL: &[Prim] =
     &[FIRST, TIME, PREDECESSOR, ASSERT, ASSERT_INDEX, ASSUME];
 
 interface! {
-    /// True exactly in the first cycle in which the surrounding fragment is active, and again after its restart.
+    /// True in the first cycle in which the enclosing fragment is active, and again in the first cycle after its reset.
     FIRST = "Rpi::First";
     in {}
     out { outValue: bool }
@@ -18,7 +18,7 @@ interface! {
 }
 
 interface! {
-    /// Seconds since the command's first cycle, 0 there.
+    /// Time since the first cycle of the command, in s; 0 in the first cycle.
     TIME = "Rpi::Time";
     in {}
     out { outValue: f64 }
@@ -27,7 +27,7 @@ interface! {
 }
 
 interface! {
-    /// Identity of the result by which the predecessor ended; absent without a predecessor.
+    /// Identity of the result with which the preceding command ended; absent if there is no preceding command.
     PREDECESSOR = "Rpi::Predecessor";
     in {}
     out { outValue: i64 }
@@ -36,7 +36,7 @@ interface! {
 }
 
 primitive! {
-    /// Lets the value through; a fault ends the command in the cycle in which it is false.
+    /// Outputs the value. A fault ends the command if the value is false.
     ASSERT = "Rpi::Assert";
     in { inValue: bool }
     out { outValue: bool }
@@ -45,8 +45,7 @@ primitive! {
 }
 
 primitive! {
-    /// Lets the value through, which says that an index lies within its array; a fault ends the command in the cycle in which
-    /// it is false.
+    /// Outputs the value, which is the result of an index check. A fault ends the command if the value is false.
     ASSERT_INDEX = "Rpi::AssertIndex";
     in { inValue: bool }
     out { outValue: bool }
@@ -55,8 +54,7 @@ primitive! {
 }
 
 primitive! {
-    /// Lets the value through; a fault ends the command in the cycle in which it is false. What proves properties of the
-    /// program takes it as given.
+    /// Outputs the value. A fault ends the command if the value is false. The prover assumes that the value is true.
     ASSUME = "Rpi::Assume";
     in { inValue: bool }
     out { outValue: bool }

@@ -1,8 +1,8 @@
-//! Ports of any device by name: what `arm.pose` and `arm.tcp = ...` of a program become.
+//! Ports of any device, by name. `arm.pose` and `arm.tcp = ...` in a program compile to these primitives.
 
 use rpi_image::{Answer, DevicePorts, DeviceUse};
 
-/// The device of a port by its parameters.
+/// Creates the device port selected by the parameters `Device`, `Index` and `Port`.
 pub(super) const fn named(answers: &'static [Answer]) -> DeviceUse {
     DeviceUse {
         device: "Device",
@@ -12,7 +12,7 @@ pub(super) const fn named(answers: &'static [Answer]) -> DeviceUse {
     }
 }
 
-/// What a device answers to a set-point, in the order of the out-ports of `Write`.
+/// Responses of a device to a set-point, in the order of the out-ports of `Write`.
 pub(super) const ANSWERS: &[Answer] = &[
     Answer::ErrorCode,
     Answer::ConcurrentAccess,
@@ -20,11 +20,11 @@ pub(super) const ANSWERS: &[Answer] = &[
     Answer::IllegalValue,
 ];
 
-/// `Read` (total), `Sample` (may be missing) and `Write` of one type.
+/// Defines `Read` (always present), `Sample` (may be absent) and `Write` of one type.
 macro_rules! ports {
     ($name:literal, $t:ty) => {
         interface! {
-            /// A sensor port of a device. A missing sample is a device fault.
+            /// Value of the sensor port `Port` of `Device`. A missing sample is a fault.
             READ = concat!("Rpi::Read", $name);
             in {}
             param { Device: Text = Str(""); Port: Text = Str(""); Index: i64 = Int(0) }
@@ -34,7 +34,7 @@ macro_rules! ports {
         }
 
         interface! {
-            /// A sensor port of a device that has not a sample in every cycle.
+            /// Value of the sensor port `Port` of `Device`. Absent in cycles without a sample.
             SAMPLE = concat!("Rpi::Sample", $name);
             in {}
             param { Device: Text = Str(""); Port: Text = Str(""); Index: i64 = Int(0) }
@@ -44,7 +44,8 @@ macro_rules! ports {
         }
 
         interface! {
-            /// Hands a set-point to a port of a device; while it is absent the device gets none from here.
+            /// Writes a set-point to the port `Port` of `Device`. No set-point is written while the input is absent.
+            /// The out-ports are the response of the device in this cycle.
             WRITE = concat!("Rpi::Write", $name);
             in { inValue: $t }
             param { Device: Text = Str(""); Port: Text = Str(""); Index: i64 = Int(0) }

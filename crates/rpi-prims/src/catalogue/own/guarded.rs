@@ -1,5 +1,5 @@
-//! Integer operations in a branch of an `if`: they count, and can fault, only in cycles in which the branch is chosen.
-//! Otherwise they give 0, which nobody reads.
+//! Integer operations in a branch of an `if`. They can fault only in cycles in which the branch is selected. Otherwise
+//! they output 0, which is not used.
 
 use crate::catalogue::int::{divided, fits, whole};
 use crate::catalogue::own::int::{power, remainder};
@@ -22,11 +22,11 @@ pub(in crate::catalogue) const ALL: &[Prim] = &[
     INT_WITHIN,
 ];
 
-/// A binary operation and, in its own words, what it gives.
+/// Defines a binary operation. `$what` is the description of its result.
 macro_rules! binary {
     ($id:ident, $name:literal, $what:literal, $work:literal, $second:literal, |$cx:ident, $place:ident, $a:ident, $b:ident| $result:expr) => {
         primitive! {
-            #[doc = concat!($what, " where `inActive` is true; else 0, without a fault.")]
+            #[doc = concat!($what, " if `inActive` is true; else 0 without a fault.")]
             $id = concat!("Rpi::GuardedInt", $name);
             in { inActive: bool; inFirst: i64 = First(Int(0)); inSecond: i64 = Second(Int($second)) }
             out { outValue: i64 }
@@ -79,17 +79,17 @@ binary!(
 binary!(
     POWER,
     "Power",
-    "The first integer to the power of the second",
+    "First integer to the power of the second",
     64,
     1,
     |cx, place, a, b| fits(cx, place, power(a, b))
 );
 
-/// An operation on one value.
+/// Defines a unary operation. `$what` is the description of its result.
 macro_rules! unary {
     ($id:ident, $name:literal, $what:literal, $t:ty, |$cx:ident, $place:ident, $a:ident| $result:expr) => {
         primitive! {
-            #[doc = concat!($what, " where `inActive` is true; else 0, without a fault.")]
+            #[doc = concat!($what, " if `inActive` is true; else 0 without a fault.")]
             $id = concat!("Rpi::GuardedInt", $name);
             in { inActive: bool; inValue: $t = Value(Neutral) }
             out { outValue: i64 }
@@ -99,30 +99,26 @@ macro_rules! unary {
     };
 }
 
-unary!(
-    NEGATE,
-    "Negate",
-    "The integer of opposite sign",
-    i64,
-    |cx, place, a| fits(cx, place, a.checked_neg())
-);
+unary!(NEGATE, "Negate", "Negated integer", i64, |cx, place, a| {
+    fits(cx, place, a.checked_neg())
+});
 unary!(
     ABSOLUTE,
     "Absolute",
-    "Size without sign",
+    "Absolute value",
     i64,
     |cx, place, a| fits(cx, place, a.checked_abs())
 );
 unary!(
     INT_FROM_DOUBLE,
     "FromDouble",
-    "A real without its fraction",
+    "Integer part of a real, truncated towards 0,",
     f64,
     |cx, place, a| whole(cx, place, a)
 );
 
 primitive! {
-    /// Lets an integer through; where `inActive` is true one below `inFrom` or above `inTo` is a fault, which ends the
+    /// Outputs the integer. If `inActive` is true, a value below `inFrom` or above `inTo` is a fault, which ends the
     /// command.
     INT_WITHIN = "Rpi::IntWithin";
     in { inActive: bool; inValue: i64 = Value(Int(0)); inFrom: i64 = From(Int(i64::MIN)); inTo: i64 = To(Int(i64::MAX)) }
@@ -137,7 +133,8 @@ primitive! {
 }
 
 primitive! {
-    /// The fewest whole ticks that take at least so many seconds where `inActive` is true; else 0, without a fault.
+    /// Smallest whole number of ticks that is not shorter than the given time in s, if `inActive` is true; else 0
+    /// without a fault. Not-a-number, infinities and values out of range are faults.
     TICKS_FROM_SECONDS = "Rpi::GuardedTicksFromSeconds";
     in { inActive: bool; inValue: f64 }
     out { outValue: i64 }

@@ -1,4 +1,4 @@
-//! Operators on 64-bit integers. A result that does not fit is a fault, never a wrapped value.
+//! Operators on 64-bit integers. Overflow is a fault; results never wrap.
 
 use crate::catalogue::int::{divided, fits};
 use crate::macros::primitive;
@@ -16,7 +16,7 @@ pub(in crate::catalogue) const ALL: &[Prim] = &[
 ];
 
 primitive! {
-    /// Difference of two integers.
+    /// Difference of two integers. Overflow is a fault.
     SUBTRACT = "Rpi::IntSubtract";
     in { inFirst: i64 = First(Int(0)); inSecond: i64 = Second(Int(0)) }
     out { outValue: i64 }
@@ -25,7 +25,7 @@ primitive! {
 }
 
 primitive! {
-    /// The integer of opposite sign.
+    /// Negated integer. Overflow is a fault.
     NEGATE = "Rpi::IntNegate";
     in { inValue: i64 = Value(Int(0)) }
     out { outValue: i64 }
@@ -34,7 +34,8 @@ primitive! {
 }
 
 primitive! {
-    /// Remainder of the division truncated towards 0: it has the sign of the first operand, as in C. By zero it is a fault.
+    /// Remainder of the division truncated towards 0. It has the sign of the first operand, as in C. Division by zero
+    /// is a fault.
     MODULO = "Rpi::IntModulo";
     in { inFirst: i64 = First(Int(0)); inSecond: i64 = Second(Int(1)) }
     out { outValue: i64 }
@@ -43,7 +44,7 @@ primitive! {
 }
 
 primitive! {
-    /// The first operand to the power of the second, which must not be negative.
+    /// First operand to the power of the second. A negative exponent and overflow are faults.
     POWER = "Rpi::IntPower";
     in { inFirst: i64 = First(Int(0)); inSecond: i64 = Second(Int(1)) }
     out { outValue: i64 }
@@ -52,7 +53,7 @@ primitive! {
 }
 
 primitive! {
-    /// Size without sign.
+    /// Absolute value. Overflow is a fault.
     ABSOLUTE = "Rpi::IntAbsolute";
     in { inValue: i64 = Value(Int(0)) }
     out { outValue: i64 }
@@ -79,7 +80,7 @@ primitive! {
 }
 
 primitive! {
-    /// True if the first operand is not less than the second.
+    /// True if the first operand is greater than or equal to the second.
     GREATER_OR_EQUAL = "Rpi::IntGreaterOrEqual";
     in { inFirst: i64 = First(Int(0)); inSecond: i64 = Second(Int(0)) }
     out { outValue: bool }
@@ -87,13 +88,14 @@ primitive! {
     pure |(a, b): (i64, i64)| (a >= b,)
 }
 
-/// None for the divisor 0 alone: the remainder by -1 fits where the quotient does not.
+/// Returns the remainder; `None` only for the divisor 0. The remainder by -1 is always 0, also where the quotient
+/// overflows.
 pub(super) fn remainder(a: i64, b: i64) -> Option<i64> {
     (b != 0).then(|| a.wrapping_rem(b))
 }
 
 pub(super) fn power(base: i64, exponent: i64) -> Option<i64> {
-    // Beyond 63 only 0, 1 and -1 have a power that fits; their powers depend on the parity alone.
+    // For exponents above 63, only the powers of 0, 1 and -1 fit, and they depend only on the parity of the exponent.
     let exponent = if exponent > 64 {
         64 + exponent % 2
     } else {

@@ -1,4 +1,4 @@
-//! Boolean operators that the reference system builds from others.
+//! Boolean operators that the reference system composes from others.
 
 use crate::macros::primitive;
 use crate::registry::Prim;
@@ -6,7 +6,7 @@ use crate::registry::Prim;
 pub(in crate::catalogue) const ALL: &[Prim] = &[XOR, IMPLIES, EQUALS];
 
 primitive! {
-    /// True if exactly one operand is.
+    /// True if exactly one operand is true.
     XOR = "Rpi::BooleanXor";
     in { inFirst: bool = First(Bool(false)); inSecond: bool = Second(Bool(false)) }
     out { outValue: bool }
@@ -15,7 +15,8 @@ primitive! {
 }
 
 primitive! {
-    /// False only if the first operand is true and the second false; three-valued as `not first or second` is.
+    /// Implication: false only if the first operand is true and the second one is false. Three-valued like `not first
+    /// or second`.
     IMPLIES = "Rpi::BooleanImplies";
     in { inFirst: bool = First(Bool(false)); inSecond: bool = Second(Bool(false)) }
     out { outValue: bool }

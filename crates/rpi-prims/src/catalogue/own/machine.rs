@@ -1,8 +1,8 @@
-//! Operators on machine integers of Kind 2, which have a width and wrap around: results are taken modulo 2 to the power of the
-//! width. Division and shifts are those of the theory of bit vectors of SMT-LIB, which Kind 2 uses.
+//! Operators on the machine integers of Kind 2, which have a width and wrap around: results are taken modulo 2 to the
+//! power of the width. Division and shifts are those of the SMT-LIB theory of bit vectors, which Kind 2 uses.
 //!
-//! A value is kept in 64 bits: with its sign extended, or with zeros above its width. `inWidth` is the width in bits, from 1
-//! to 64, negative for integers with a sign.
+//! A value is stored in 64 bits, sign-extended if it is signed and zero-extended if it is unsigned. `inWidth` is the
+//! width in bits, 1 to 64; it is negative for signed integers.
 
 use crate::catalogue::int::fits;
 use crate::macros::primitive;
@@ -26,7 +26,8 @@ pub(in crate::catalogue) const ALL: &[Prim] = &[
 ];
 
 primitive! {
-    /// The machine integer with the lowest bits of a number.
+    /// Machine integer with the least significant bits of a number. `inWidth` is the width in bits, negative for signed
+    /// integers.
     WRAP = "Rpi::MachineWrap";
     in { inValue: i64 = Value(Int(0)); inWidth: i64 = Width(Int(-64)) }
     out { outValue: i64 }
@@ -35,7 +36,7 @@ primitive! {
 }
 
 primitive! {
-    /// Sum of two machine integers.
+    /// Sum of two machine integers, wrapped to the width.
     ADD = "Rpi::MachineAdd";
     in { inFirst: i64 = First(Int(0)); inSecond: i64 = Second(Int(0)); inWidth: i64 = Width(Int(-64)) }
     out { outValue: i64 }
@@ -44,7 +45,7 @@ primitive! {
 }
 
 primitive! {
-    /// Difference of two machine integers.
+    /// Difference of two machine integers, wrapped to the width.
     SUBTRACT = "Rpi::MachineSubtract";
     in { inFirst: i64 = First(Int(0)); inSecond: i64 = Second(Int(0)); inWidth: i64 = Width(Int(-64)) }
     out { outValue: i64 }
@@ -53,7 +54,7 @@ primitive! {
 }
 
 primitive! {
-    /// Product of two machine integers.
+    /// Product of two machine integers, wrapped to the width.
     MULTIPLY = "Rpi::MachineMultiply";
     in { inFirst: i64 = First(Int(0)); inSecond: i64 = Second(Int(1)); inWidth: i64 = Width(Int(-64)) }
     out { outValue: i64 }
@@ -62,7 +63,8 @@ primitive! {
 }
 
 primitive! {
-    /// Quotient of two machine integers, truncated towards 0. By zero it has all bits set, but is 1 for a negative number.
+    /// Quotient of two machine integers, truncated towards 0. Division by zero gives all bits set, or 1 for a negative
+    /// first operand.
     DIVIDE = "Rpi::MachineDivide";
     in { inFirst: i64 = First(Int(0)); inSecond: i64 = Second(Int(1)); inWidth: i64 = Width(Int(-64)) }
     out { outValue: i64 }
@@ -71,7 +73,7 @@ primitive! {
 }
 
 primitive! {
-    /// Remainder of two machine integers, with the sign of the first. By zero it is the first.
+    /// Remainder of two machine integers, with the sign of the first operand. Division by zero gives the first operand.
     MODULO = "Rpi::MachineModulo";
     in { inFirst: i64 = First(Int(0)); inSecond: i64 = Second(Int(1)); inWidth: i64 = Width(Int(-64)) }
     out { outValue: i64 }
@@ -80,7 +82,7 @@ primitive! {
 }
 
 primitive! {
-    /// The bits that both machine integers have.
+    /// Bitwise AND of two machine integers.
     AND = "Rpi::MachineAnd";
     in { inFirst: i64 = First(Int(0)); inSecond: i64 = Second(Int(0)) }
     out { outValue: i64 }
@@ -89,7 +91,7 @@ primitive! {
 }
 
 primitive! {
-    /// The bits that one of two machine integers has.
+    /// Bitwise OR of two machine integers.
     OR = "Rpi::MachineOr";
     in { inFirst: i64 = First(Int(0)); inSecond: i64 = Second(Int(0)) }
     out { outValue: i64 }
@@ -98,7 +100,7 @@ primitive! {
 }
 
 primitive! {
-    /// A machine integer with every bit turned over.
+    /// Bitwise NOT of a machine integer.
     NOT = "Rpi::MachineNot";
     in { inValue: i64 = Value(Int(0)); inWidth: i64 = Width(Int(-64)) }
     out { outValue: i64 }
@@ -107,7 +109,7 @@ primitive! {
 }
 
 primitive! {
-    /// The bits of the first operand, moved up by the second, which has no sign.
+    /// Left shift of the first operand by the second, which is unsigned.
     SHIFT_LEFT = "Rpi::MachineShiftLeft";
     in { inFirst: i64 = First(Int(0)); inSecond: i64 = Second(Int(0)); inWidth: i64 = Width(Int(-64)) }
     out { outValue: i64 }
@@ -116,7 +118,8 @@ primitive! {
 }
 
 primitive! {
-    /// The bits of the first operand, moved down by the second, which has no sign. A sign fills the places that become free.
+    /// Right shift of the first operand by the second, which is unsigned. The shift is arithmetic for signed integers
+    /// and logical for unsigned ones.
     SHIFT_RIGHT = "Rpi::MachineShiftRight";
     in { inFirst: i64 = First(Int(0)); inSecond: i64 = Second(Int(0)); inWidth: i64 = Width(Int(-64)) }
     out { outValue: i64 }
@@ -134,7 +137,7 @@ primitive! {
 }
 
 primitive! {
-    /// True if the first machine integer is not less than the second.
+    /// True if the first machine integer is greater than or equal to the second.
     GREATER_OR_EQUAL = "Rpi::MachineGreaterOrEqual";
     in { inFirst: i64 = First(Int(0)); inSecond: i64 = Second(Int(0)); inWidth: i64 = Width(Int(-64)) }
     out { outValue: bool }
@@ -143,7 +146,7 @@ primitive! {
 }
 
 primitive! {
-    /// A machine integer as an integer. One of 64 bits without sign that is beyond the greatest integer is a fault.
+    /// Integer from a machine integer. An unsigned 64-bit value above the maximum integer is a fault.
     TO_INT = "Rpi::MachineToInt";
     in { inValue: i64 = Value(Int(0)); inWidth: i64 = Width(Int(-64)) }
     out { outValue: i64 }
@@ -151,7 +154,7 @@ primitive! {
     full |cx, place, _, _, (a, width)| (fits(cx, place, (width < 0 || a >= 0).then_some(a)),)
 }
 
-/// The bits above the width, taken off; the sign extended if there is one.
+/// Returns the value reduced to the width, then sign-extended or zero-extended to 64 bits.
 fn wrapped(value: i64, width: i64) -> i64 {
     let above = 64 - width.unsigned_abs().clamp(1, 64) as u32;
     match width < 0 {
@@ -163,6 +166,7 @@ fn wrapped(value: i64, width: i64) -> i64 {
 fn quotient(a: i64, b: i64, width: i64) -> i64 {
     let (ua, ub) = (a.cast_unsigned(), b.cast_unsigned());
     let quotient = match (width < 0, b) {
+        // SMT-LIB: division by zero gives all bits set (`bvudiv`), or 1 and -1 by the sign of the dividend (`bvsdiv`).
         (true, 0) if a < 0 => 1,
         (_, 0) => -1,
         (true, _) => a.wrapping_div(b),
@@ -179,7 +183,7 @@ fn remainder(a: i64, b: i64, width: i64) -> i64 {
     }
 }
 
-/// How many places to shift by; 64 and more leave nothing.
+/// Returns the number of bits to shift by. Negative (large unsigned) amounts become 64, which shifts out all bits.
 fn places(by: i64) -> u32 {
     u32::try_from(by).unwrap_or(64)
 }

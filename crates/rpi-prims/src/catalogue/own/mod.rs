@@ -1,4 +1,4 @@
-//! What the language needs beyond the reference system's catalogue, in the namespace `Rpi`.
+//! Primitives of the language beyond those of the reference system, in the namespace `Rpi`.
 
 pub(super) mod commands;
 mod devices;

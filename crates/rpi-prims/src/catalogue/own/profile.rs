@@ -1,6 +1,6 @@
-//! Motion along a way. Inputs are read in the first cycle; the first output is one period along the way, so that a switch
-//! repeats no set-point; durations are rounded up to whole periods, and `outDone` holds from the cycle after the end on, in
-//! which whatever comes next gives the set-point.
+//! Motion along a path. Inputs are read in the first cycle. The first output is one period along the path, so that a
+//! switch between motions does not repeat a set-point. Durations are rounded up to whole periods. `outDone` is true
+//! from the cycle after the end, in which the next motion provides the set-point.
 
 use crate::cx::FaultCode;
 use crate::macros::primitive;
@@ -10,9 +10,11 @@ use crate::travel::{Bounds, State, Travel};
 pub(in crate::catalogue) const ALL: &[Prim] = &[TRAVEL, TRANSITION];
 
 primitive! {
-    /// Travels a distance in the shortest time that speed, acceleration and jerk allow (double-S profile).
-    /// Speeds at the ends are cut to the bounds; a way too short for them is travelled by a polynomial. At the end position and
-    /// speed stay. Bounds that are not positive are a fault.
+    /// Motion over a distance (m) in the shortest time with bounded speed (m/s), acceleration (m/s²) and jerk (m/s³): a
+    /// double-S profile. `inEntry` and `inLeave` are the speeds at the start and at the end, limited to the maximum
+    /// speed. A distance too short for the bounds is covered with a quartic polynomial that exceeds them. Inputs are
+    /// read in the first cycle. Position and speed stay constant after the end. `outDuration` is a whole number of
+    /// periods, in s. `outDone` is true from the cycle after the end. Bounds that are not positive are a fault.
     TRAVEL = "Rpi::Travel";
     in {
         inDistance: f64 = Distance(Real(0.0));
@@ -43,9 +45,10 @@ primitive! {
 }
 
 primitive! {
-    /// Weights of a transition between two states of motion (quintic Hermite basis, no acceleration at its ends): a way from
-    /// `p0` with velocity `v0` to `p1` with velocity `v1` is `p0 + (p1 - p0) * outTo + v0 * outEntry + v1 * outLeave`, its velocity
-    /// the same with the rates.
+    /// Weights of a transition between two states of motion during `inDuration` seconds (quintic Hermite basis with
+    /// zero acceleration at both ends). A path from `p0` with velocity `v0` to `p1` with velocity `v1` is `p0 + (p1 -
+    /// p0) * outTo + v0 * outEntry + v1 * outLeave`. Its velocity is `(p1 - p0) * outToRate + v0 * outEntryRate + v1 *
+    /// outLeaveRate`. `outDone` is true from the cycle after the end.
     TRANSITION = "Rpi::Transition";
     in { inDuration: f64 = Duration(Real(0.0)) }
     out {
@@ -62,6 +65,7 @@ primitive! {
     full |cx, _, (cycle, periods), (), (duration,)| {
         let dt = cx.clock.dt;
         if *cycle < 1.0 {
+            // The tolerance avoids an extra period if rounding puts the quotient just above a whole number.
             *periods = libm::fmax(libm::ceil(duration / dt - 1e-6), 1.0);
         }
         *cycle += 1.0;
@@ -113,11 +117,12 @@ fn travelled(travel: &Travel, cycle: f64, periods: f64, dt: f64) -> State {
             acceleration: 0.0,
         };
     }
-    // The plan may end a rounding error before or after the whole period: stretch it to that.
+    // The plan may end a rounding error before or after the last whole period, so it is stretched to that period.
     travel.at(cycle / periods * libm::fmin(travel.duration(), periods * dt))
 }
 
-/// Weights (goal, entry, leave) and their rates at the share `u` of a duration.
+/// Returns the weights (goal, start velocity, end velocity) and their rates (1/s) at the fraction `u` of a duration in
+/// s.
 fn hermite(u: f64, duration: f64) -> ((f64, f64, f64), (f64, f64, f64)) {
     let (u2, u3) = (u * u, u * u * u);
     let way = (

@@ -1,4 +1,4 @@
-//! An axis on its way to a goal that may change.
+//! Motion of an axis from any state to rest at a goal that may change.
 
 use crate::cx::{Cx, FaultCode};
 use crate::macros::primitive;
@@ -8,13 +8,14 @@ use rpi_kin::reach::{Bounds, Reach, State};
 pub(in crate::catalogue) const ALL: &[Prim] = &[REACH];
 
 primitive! {
-    /// Brings an axis from any state of motion to rest at a goal: the fastest way with bounded velocity, acceleration and jerk
-    /// that passes its greatest velocity without acceleration (double-S profile from rest; Biagiotti and Melchiorri,
-    /// Trajectory Planning for Automatic Machines and Robots, 2008, 3.4). The state is read in the first cycle, velocity
-    /// and acceleration as backward differences of set-points, which is how devices tell them; the first output is one
-    /// period on the way. Goal and bounds may change in any cycle: then the way is planned anew from its own
-    /// last set-points. Backward differences of the outputs keep the bounds if those at the start do. `outDone` holds from the
-    /// cycle after the goal was reached on. Bounds that are not positive are a fault; numbers that are not finite give NaN.
+    /// Motion of an axis from any state of motion to rest at `inGoal` in the shortest time with bounded velocity,
+    /// acceleration and jerk, among motions that have no acceleration at their maximum velocity (double-S profile;
+    /// Biagiotti and Melchiorri, Trajectory Planning for Automatic Machines and Robots, 2008, 3.4). Units are rad or m,
+    /// and s. The initial state is read in the first cycle; velocity and acceleration are backward differences of
+    /// set-points, as reported by devices. The first output is one period later. Goal and bounds may change in any
+    /// cycle; the motion is then planned again from its own last set-points. Backward differences of the outputs keep
+    /// the bounds if those of the initial state do. `outDone` is true from the cycle after the goal is reached. Bounds
+    /// that are not positive are a fault. Inputs that are not finite give not-a-number.
     REACH = "Rpi::Reach";
     in {
         inPosition: f64;
@@ -42,14 +43,14 @@ primitive! {
     }
 }
 
-/// What is kept: cycle of the way, state, bounds, the way.
+/// Number of stored values: cycle, state, bounds and profile.
 const CELLS: usize = HEAD + Reach::NUMBERS;
 const HEAD: usize = 7;
 
 struct Memory {
-    /// Cycles on this way; 0 before the first one ever.
+    /// Number of cycles on this profile; 0 before the first cycle.
     cycle: f64,
-    /// The last set-point with its differences.
+    /// Last set-point with its backward differences.
     at: State,
     bounds: Bounds,
     way: Reach,
@@ -99,12 +100,13 @@ impl Memory {
         cells
     }
 
-    /// One period on; true once the goal had been reached before.
+    /// Advances by one period. Returns whether the goal was reached before this cycle.
     fn step(&mut self, cx: &Cx<'_>, start: State, goal: f64, bounds: Bounds) -> bool {
         let dt = cx.clock.dt;
         if self.cycle == 0.0 {
             self.at = start;
         }
+        // Exact comparison on purpose: any change of goal or bounds needs a new plan.
         if self.cycle == 0.0 || self.way.goal() != goal || self.bounds != bounds {
             let Some(way) = Reach::following(self.at, dt, goal, bounds) else {
                 self.at.position = f64::NAN;

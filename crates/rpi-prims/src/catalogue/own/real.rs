@@ -27,7 +27,7 @@ primitive! {
 }
 
 primitive! {
-    /// The real of opposite sign.
+    /// Negated real.
     NEGATE = "Rpi::DoubleNegate";
     in { inValue: f64 = Value(Real(0.0)) }
     out { outValue: f64 }
@@ -36,7 +36,7 @@ primitive! {
 }
 
 primitive! {
-    /// Size without sign.
+    /// Absolute value.
     ABSOLUTE = "Rpi::DoubleAbsolute";
     in { inValue: f64 = Value(Real(0.0)) }
     out { outValue: f64 }
@@ -45,7 +45,7 @@ primitive! {
 }
 
 primitive! {
-    /// The smaller of two reals; the other one if one is not a number.
+    /// The smaller of two reals. If one operand is not a number, the other one.
     MINIMUM = "Rpi::DoubleMinimum";
     in { inFirst: f64 = First(Real(0.0)); inSecond: f64 = Second(Real(0.0)) }
     out { outValue: f64 }
@@ -54,7 +54,7 @@ primitive! {
 }
 
 primitive! {
-    /// The greater of two reals; the other one if one is not a number.
+    /// The greater of two reals. If one operand is not a number, the other one.
     MAXIMUM = "Rpi::DoubleMaximum";
     in { inFirst: f64 = First(Real(0.0)); inSecond: f64 = Second(Real(0.0)) }
     out { outValue: f64 }
@@ -63,7 +63,7 @@ primitive! {
 }
 
 primitive! {
-    /// True if the first operand is not less than the second; false if one is not a number.
+    /// True if the first operand is greater than or equal to the second. False if an operand is not a number.
     GREATER_OR_EQUAL = "Rpi::DoubleGreaterOrEqual";
     in { inFirst: f64 = First(Real(0.0)); inSecond: f64 = Second(Real(0.0)) }
     out { outValue: bool }
@@ -72,7 +72,7 @@ primitive! {
 }
 
 primitive! {
-    /// The greatest whole number that is not greater.
+    /// Largest integral value that is not greater than the operand.
     FLOOR = "Rpi::DoubleFloor";
     in { inValue: f64 = Value(Real(0.0)) }
     out { outValue: f64 }
@@ -81,7 +81,7 @@ primitive! {
 }
 
 primitive! {
-    /// The smallest whole number that is not less.
+    /// Smallest integral value that is not less than the operand.
     CEILING = "Rpi::DoubleCeiling";
     in { inValue: f64 = Value(Real(0.0)) }
     out { outValue: f64 }
@@ -90,7 +90,7 @@ primitive! {
 }
 
 primitive! {
-    /// The nearest whole number; away from 0 where two are equally near.
+    /// Nearest integral value; halves are rounded away from 0.
     ROUND = "Rpi::DoubleRound";
     in { inValue: f64 = Value(Real(0.0)) }
     out { outValue: f64 }
@@ -99,7 +99,7 @@ primitive! {
 }
 
 primitive! {
-    /// e to the power of the value.
+    /// Exponential function, e to the power of the operand.
     EXPONENTIAL = "Rpi::DoubleExponential";
     in { inValue: f64 = Value(Real(0.0)) }
     out { outValue: f64 }
@@ -108,7 +108,7 @@ primitive! {
 }
 
 primitive! {
-    /// The angle (rad, -π/2 to π/2) whose tangent is the value.
+    /// Arc tangent in rad, -π/2 to π/2.
     ATAN = "Rpi::DoubleAtan";
     in { inValue: f64 = Value(Real(0.0)) }
     out { outValue: f64 }

@@ -1,4 +1,4 @@
-//! Algebra of vectors, rotations, poses, velocities and wrenches beyond the reference system's.
+//! Operators on vectors, rotations, poses, velocities and wrenches that the reference system does not have.
 
 use crate::flow::{Pose, Rotation, Twist, Vector, Wrench};
 use crate::geometry;
@@ -33,7 +33,7 @@ primitive! {
 }
 
 primitive! {
-    /// The vector of opposite direction.
+    /// Negated vector.
     VECTOR_NEGATE = "Rpi::VectorNegate";
     in { inValue: Vector }
     out { outValue: Vector }
@@ -51,7 +51,8 @@ primitive! {
 }
 
 primitive! {
-    /// A point given in the pose's frame, in the frame in which the pose is given.
+    /// Point transformed by a pose: from coordinates of the frame of the pose to coordinates of the frame in which the
+    /// pose is given. In m.
     FRAME_APPLY = "Rpi::FrameApply";
     in { inFirst: Pose; inSecond: Vector }
     out { outValue: Vector }
@@ -60,7 +61,7 @@ primitive! {
 }
 
 primitive! {
-    /// Axis times angle (rad, at most π) of a rotation.
+    /// Rotation vector: axis times angle (rad, 0 to π) of a rotation.
     ROTATION_LOGARITHM = "Rpi::RotationLogarithm";
     in { inValue: Rotation }
     out { outValue: Vector }
@@ -69,7 +70,7 @@ primitive! {
 }
 
 primitive! {
-    /// The rotation about the vector's direction by its length (rad).
+    /// Rotation about the direction of a vector by its length (rad).
     ROTATION_EXPONENTIAL = "Rpi::RotationExponential";
     in { inValue: Vector }
     out { outValue: Rotation }
@@ -78,7 +79,7 @@ primitive! {
 }
 
 primitive! {
-    /// A velocity times a factor.
+    /// Product of a velocity and a real.
     TWIST_SCALE = "Rpi::TwistScale";
     in { inValue: Twist; inFactor: f64 = Factor(Real(1.0)) }
     out { outValue: Twist }
@@ -87,7 +88,7 @@ primitive! {
 }
 
 primitive! {
-    /// Sum of two wrenches at one point.
+    /// Sum of two wrenches with the same reference point.
     WRENCH_ADD = "Rpi::WrenchAdd";
     in { inFirst: Wrench; inSecond: Wrench }
     out { outValue: Wrench }
@@ -105,7 +106,7 @@ primitive! {
 }
 
 primitive! {
-    /// A wrench from force (N) and torque (N m).
+    /// Wrench from force (N) and torque (N m).
     WRENCH_FROM_PARTS = "Rpi::WrenchFromParts";
     in { inForce: Vector; inTorque: Vector }
     out { outValue: Wrench }
@@ -114,7 +115,7 @@ primitive! {
 }
 
 primitive! {
-    /// True if both vectors have the same components.
+    /// True if all components of both vectors are equal.
     VECTOR_EQUALS = "Rpi::VectorEquals";
     in { inFirst: Vector; inSecond: Vector }
     out { outValue: bool }
@@ -123,7 +124,7 @@ primitive! {
 }
 
 primitive! {
-    /// True if both are the same rotation.
+    /// True if both rotations are equal; a quaternion and its negative are the same rotation.
     ROTATION_EQUALS = "Rpi::RotationEquals";
     in { inFirst: Rotation; inSecond: Rotation }
     out { outValue: bool }
@@ -132,7 +133,7 @@ primitive! {
 }
 
 primitive! {
-    /// True if both poses have the same position and the same orientation.
+    /// True if both poses have equal position and orientation.
     FRAME_EQUALS = "Rpi::FrameEquals";
     in { inFirst: Pose; inSecond: Pose }
     out { outValue: bool }
@@ -141,7 +142,7 @@ primitive! {
 }
 
 primitive! {
-    /// True if both velocities have the same components.
+    /// True if all components of both velocities are equal.
     TWIST_EQUALS = "Rpi::TwistEquals";
     in { inFirst: Twist; inSecond: Twist }
     out { outValue: bool }
@@ -150,7 +151,7 @@ primitive! {
 }
 
 primitive! {
-    /// True if both wrenches have the same components.
+    /// True if all components of both wrenches are equal.
     WRENCH_EQUALS = "Rpi::WrenchEquals";
     in { inFirst: Wrench; inSecond: Wrench }
     out { outValue: bool }

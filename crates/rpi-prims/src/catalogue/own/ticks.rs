@@ -1,4 +1,4 @@
-//! Exact time: counts of ticks, and what they are in seconds.
+//! Exact time: numbers of ticks and their conversion to seconds.
 
 use crate::cx::{Cx, FaultCode, whole_ticks};
 use crate::macros::{interface, primitive};
@@ -14,7 +14,7 @@ pub(in crate::catalogue) const ALL: &[Prim] = &[
 ];
 
 interface! {
-    /// Ticks since the command's first cycle, 0 there.
+    /// Time since the first cycle of the command, in ticks; 0 in the first cycle.
     ELAPSED = "Rpi::Elapsed";
     in {}
     out { outValue: i64 }
@@ -23,7 +23,7 @@ interface! {
 }
 
 interface! {
-    /// Number of ticks in the period of the command.
+    /// Period of the command, in ticks.
     PERIOD_TICKS = "Rpi::PeriodTicks";
     in {}
     out { outValue: i64 }
@@ -32,7 +32,7 @@ interface! {
 }
 
 primitive! {
-    /// The seconds that a number of ticks takes.
+    /// Duration of a number of ticks, in s.
     SECONDS_FROM_TICKS = "Rpi::SecondsFromTicks";
     in { inValue: i64 }
     out { outValue: f64 }
@@ -41,7 +41,8 @@ primitive! {
 }
 
 primitive! {
-    /// The fewest whole ticks that take at least so many seconds. Not-a-number, infinities and what does not fit are faults.
+    /// Smallest whole number of ticks that is not shorter than the given time in s. Not-a-number, infinities and values
+    /// out of range are faults.
     TICKS_FROM_SECONDS = "Rpi::TicksFromSeconds";
     in { inValue: f64 }
     out { outValue: i64 }
@@ -49,7 +50,7 @@ primitive! {
     full |cx, place, _, _, (seconds,)| (ticks(cx, place, seconds),)
 }
 
-/// Whole ticks, or 0 and a fault.
+/// Returns the number of whole ticks; raises a fault and returns 0 if there is none.
 pub(super) fn ticks(cx: &mut Cx<'_>, place: u32, seconds: f64) -> i64 {
     cx.clock.whole_ticks(seconds).unwrap_or_else(|| {
         cx.fault(FaultCode::LossyConversion, place);
@@ -58,8 +59,9 @@ pub(super) fn ticks(cx: &mut Cx<'_>, place: u32, seconds: f64) -> i64 {
 }
 
 primitive! {
-    /// The fewest whole ticks that take at least so many seconds, of a duration that is fixed when the command is loaded. What
-    /// 64 bits do not hold is the longest time that they hold: `1e300[s]` stands for never. Not-a-number is 0.
+    /// Smallest whole number of ticks that is not shorter than the given time in s, for a duration fixed when the
+    /// command is loaded. A time out of range becomes the longest possible one: `1e300[s]` means never. Not-a-number
+    /// becomes 0.
     WHOLE_TICKS = "Rpi::WholeTicks";
     in { inValue: f64 }
     out { outValue: i64 }

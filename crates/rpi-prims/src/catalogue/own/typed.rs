@@ -1,4 +1,4 @@
-//! Operators that exist for each value type, from one definition each.
+//! Operators that exist for each value type, generated from one definition.
 
 use super::devices::ports;
 use crate::macros::{interface, primitive};
@@ -6,14 +6,14 @@ use crate::operand::Text;
 use crate::registry::Prim;
 use rpi_image::Role;
 
-/// `Coalesce`, `Hold`, `Pre`, and device ports of one type.
+/// Defines `Coalesce`, `Hold`, `Pre` and device ports of one type.
 macro_rules! operators {
     ($module:ident, $name:literal, $t:ty) => {
         pub(in crate::catalogue) mod $module {
             use super::*;
 
             primitive! {
-                /// `first ?? second`: the first of the two that is present.
+                /// `first ?? second`: `inFirst` if it is present, else `inSecond`.
                 COALESCE = concat!("Rpi::", $name, "Coalesce");
                 in { inFirst: $t; inSecond: $t }
                 out { outValue: $t }
@@ -22,7 +22,7 @@ macro_rules! operators {
             }
 
             primitive! {
-                /// `hold(x, init)`: the value when it was last present, `init` before that.
+                /// `hold(x, init)`: last present value of `inValue`; `inInitial` before the first one.
                 HOLD = concat!("Rpi::", $name, "Hold");
                 in { inValue: $t; inInitial: $t }
                 out { outValue: $t }
@@ -37,8 +37,8 @@ macro_rules! operators {
             }
 
             interface! {
-                /// The value of the previous cycle in which the surrounding fragment was active. Its first value is neutral;
-                /// the compiler has proved that nobody reads it.
+                /// Value of the previous cycle in which the enclosing fragment was active. The initial value is neutral
+                /// and is never used, as proved by the compiler.
                 PRE = concat!("Rpi::", $name, "Pre");
                 in { inValue: $t }
                 out { outValue: $t }

@@ -1,11 +1,11 @@
-//! Random expressions of a type and a clock.
+//! Random expressions of a given type and clock.
 
 use std::rc::Rc;
 
 use super::model::{Clock, Expr, Flow, FlowId, Kind, Node};
 use crate::random::Random;
 
-/// What is wanted: a type, a clock, and whether it may be absent at ticks of that clock.
+/// Required properties of an expression: type, clock, and whether it may be absent at ticks of that clock.
 #[derive(Clone, Debug)]
 pub(crate) struct Want {
     pub(crate) kind: Kind,
@@ -13,7 +13,7 @@ pub(crate) struct Want {
     pub(crate) optional: bool,
 }
 
-/// A flow that others are sampled by.
+/// Flow that may be used as a clock.
 #[derive(Clone, Debug)]
 pub(crate) struct Decider {
     pub(crate) name: String,
@@ -21,48 +21,49 @@ pub(crate) struct Decider {
     pub(crate) clock: Clock,
 }
 
-/// What can be read at a place.
+/// Flows that can be read at a location.
 #[derive(Clone, Default, Debug)]
 pub(crate) struct Scope {
-    /// Flows that are defined before it.
+    /// Flows defined before.
     pub(crate) known: Vec<FlowId>,
     /// Flows that may be read through a delay.
     pub(crate) delayed: Vec<FlowId>,
-    /// Flows of fragments and states that have a clock there: here they are optional.
+    /// Flows of fragments and states that have a clock there, so they are optional here.
     pub(crate) outside: Vec<FlowId>,
     pub(crate) deciders: Vec<Decider>,
-    /// Flows of which the value in the last cycle of the automaton can be read.
+    /// Flows whose value in the last cycle of the automaton can be read.
     pub(crate) last: Vec<FlowId>,
 }
 
-/// Makes expressions.
+/// Generator of expressions.
 pub(crate) struct Exprs<'m> {
     pub(crate) random: &'m mut Random,
     pub(crate) flows: &'m mut Vec<Flow>,
     pub(crate) lustre: bool,
 }
 
-/// A form in which the parts have the type, clock and presence that is wanted, with what else stands in it.
+/// Form: the result type (`None` for any), the text, and the parts, which have the required type, clock and presence
+/// unless stated otherwise.
 type Row = (Option<Kind>, &'static str, &'static [Part]);
 
 #[derive(Clone, Copy)]
 enum Part {
-    /// As the whole.
+    /// Like the whole.
     Own,
-    /// As the whole, and never absent.
+    /// Like the whole, and never absent.
     Total,
     /// Of another type, and never absent.
     Of(Kind),
-    /// A flow that is delayed.
+    /// Delayed flow.
     Delayed,
-    /// Of the same type and another clock, read by nobody.
+    /// Of this type and any clock; the value is not used.
     Beside(Kind),
 }
 
 use Kind::{Bool, Int, Mode, Pair, Row as Ints};
 use Part::{Beside, Delayed, Of, Own, Total};
 
-/// Forms of all clocks.
+/// Forms for all clocks.
 #[rustfmt::skip]
 const FORMS: &[Row] = &[
     (None, "(@ -> @)", &[Own, Own]),
@@ -98,7 +99,8 @@ const FORMS: &[Row] = &[
 ];
 
 impl Exprs<'_> {
-    /// An expression, not much deeper than `depth`. What has no clock of its own here ticks in all cycles.
+    /// Returns an expression, not much deeper than `depth`. An expression without its own clock ticks in all cycles
+    /// here.
     pub(crate) fn expr(&mut self, scope: &Scope, want: &Want, depth: usize) -> Expr {
         if depth == 0 || self.random.one_in(6) {
             return self.leaf(scope, want);
@@ -126,7 +128,7 @@ impl Exprs<'_> {
     fn of_form(&mut self, scope: &Scope, want: &Want, depth: usize) -> Expr {
         let lustre = self.lustre;
         let fits = |(kind, text, _): &&Row| {
-            // Lustre V6 has other words for these.
+            // Lustre V6 has a different syntax for these.
             let known = !lustre || !text.starts_with("condact") && !text.contains(" with ");
             known && kind.is_none_or(|kind| kind == want.kind)
         };
@@ -136,7 +138,7 @@ impl Exprs<'_> {
             .iter()
             .map(|part| self.part(*part, scope, want, depth));
         let parts: Vec<Expr> = parts.collect();
-        // What is beside it has a clock of its own.
+        // The unused part may have another clock.
         let clock = match text.starts_with("(Pair") || text.starts_with("([") {
             true => parts
                 .iter()
@@ -200,7 +202,7 @@ impl Exprs<'_> {
         }
     }
 
-    /// All clocks that have a name at a place.
+    /// Returns all clocks that can be named at a location.
     pub(crate) fn clocks(&self, scope: &Scope) -> Vec<Clock> {
         let mut clocks: Vec<Clock> = vec![Rc::new([])];
         for decider in &scope.deciders {
@@ -209,7 +211,7 @@ impl Exprs<'_> {
         clocks
     }
 
-    /// A flow, as it is or sampled, or a literal.
+    /// Returns a flow, unchanged or sampled, or a literal.
     pub(crate) fn leaf(&mut self, scope: &Scope, want: &Want) -> Expr {
         let exact = scope.known.iter().filter(|id| self.is_wanted(**id, want));
         let exact: Vec<FlowId> = exact.copied().collect();
@@ -274,7 +276,7 @@ impl Exprs<'_> {
         form(&text, Vec::new(), &total, None)
     }
 
-    /// `merge c (...)`
+    /// Returns `merge c (...)`.
     fn merge(&mut self, scope: &Scope, want: &Want, depth: usize) -> Option<Expr> {
         let decider = self.decider(scope, &want.clock)?;
         let (mut text, mut parts) = (format!("(merge {}", decider.name), Vec::new());
@@ -308,7 +310,7 @@ impl Exprs<'_> {
         (!fit.is_empty()).then(|| (**self.random.pick(&fit)).clone())
     }
 
-    /// A result of a call whose results have different clocks.
+    /// Returns a result of a call whose results have different clocks.
     fn split(&mut self, scope: &Scope, want: &Want, depth: usize) -> Option<Expr> {
         if self.lustre || want.kind != Kind::Int {
             return None;
@@ -340,7 +342,7 @@ impl Exprs<'_> {
         Some(form(&text, vec![x], want, Some(want.clock.clone())))
     }
 
-    /// `last x`
+    /// Returns `last x`.
     fn last(&mut self, scope: &Scope, want: &Want, depth: usize) -> Option<Expr> {
         let fits = |id: &&FlowId| self.flows[**id].kind == want.kind;
         let flow = *scope.last.iter().find(fits)?;
@@ -353,7 +355,7 @@ impl Exprs<'_> {
         Some(form(&text, vec![first], want, Some(want.clock.clone())))
     }
 
-    /// `current x`, which is nothing before the first tick of x: in Lustre that is an error.
+    /// Returns `current x`, which is absent before the first tick of x; in Lustre that would be an error.
     fn current(&mut self, scope: &Scope, want: &Want, depth: usize) -> Option<Expr> {
         let clock = self.slower(scope, &want.clock)?;
         let x = self.expr(
@@ -368,14 +370,14 @@ impl Exprs<'_> {
         Some(form("(current (@))", x, want, Some(want.clock.clone())))
     }
 
-    /// A clock that is sampled from another by one flow.
+    /// Returns a clock sampled from another by one flow.
     fn slower(&mut self, scope: &Scope, clock: &Clock) -> Option<Clock> {
         let decider = self.decider(scope, clock)?;
         let samplings = samplings(&decider);
         Some(then(clock, self.random.pick(&samplings[..]).as_str()))
     }
 
-    /// What is always present, from what may be absent.
+    /// Returns an expression that is always present, made from one that may be absent.
     fn present(&mut self, scope: &Scope, want: &Want, depth: usize) -> Option<Expr> {
         if self.lustre {
             return None;
@@ -401,14 +403,14 @@ impl Exprs<'_> {
             return Some(form("present(@)", vec![x], want, None));
         }
         let rest = self.expr(scope, want, depth);
-        // `hold` has a first cycle of its own: that of the body.
+        // `hold` has its own first cycle, that of the body.
         if want.clock.is_empty() && self.random.one_in(2) {
             return Some(form("hold(@, @)", vec![x, rest], want, Some([].into())));
         }
         Some(form("(@ ?? @)", vec![x, rest], want, None))
     }
 
-    /// What may be absent, in all cycles or on any clock.
+    /// Returns an expression that may be absent, in all cycles or on any clock.
     fn maybe(&mut self, scope: &Scope, kind: Kind, depth: usize) -> Expr {
         let sampled = scope.known.iter().filter(|id| {
             let flow = &self.flows[**id];
@@ -429,7 +431,7 @@ impl Exprs<'_> {
         self.expr(scope, &want, depth)
     }
 
-    /// What may be absent at ticks of its clock.
+    /// Returns an expression that may be absent at ticks of its clock.
     fn absent(&mut self, scope: &Scope, want: &Want, depth: usize) -> Option<Expr> {
         let total = |kind| Want {
             kind,
@@ -470,7 +472,7 @@ impl Exprs<'_> {
     }
 }
 
-/// `x when c`
+/// Returns `x when c`.
 fn when(value: Expr, on: &str, clock: Clock) -> Expr {
     Expr {
         kind: value.kind,
@@ -489,12 +491,12 @@ pub(crate) fn form(text: &str, parts: Vec<Expr>, want: &Want, clock: Option<Cloc
     }
 }
 
-/// A clock that is sampled once more.
+/// Returns a clock with one more sampling step.
 pub(crate) fn then(clock: &Clock, on: &str) -> Clock {
     clock.iter().cloned().chain([on.to_owned()]).collect()
 }
 
-/// What can be sampled by a flow.
+/// Returns the sampling conditions that a flow provides.
 pub(crate) fn samplings(decider: &Decider) -> Vec<String> {
     let name = &decider.name;
     match decider.kind {
@@ -505,7 +507,7 @@ pub(crate) fn samplings(decider: &Decider) -> Vec<String> {
     }
 }
 
-/// What clocks have in common; literals have none.
+/// Returns the common prefix of clocks; literals have none.
 pub(crate) fn common(clocks: impl Iterator<Item = Option<Clock>>) -> Option<Clock> {
     clocks.flatten().reduce(|a, b| {
         let both = a.iter().zip(b.iter()).take_while(|(a, b)| a == b);

@@ -1,4 +1,4 @@
-//! Random programs with clocks: flows that tick by one another in nodes, fragments and states.
+//! Random programs with clocks: flows that are sampled by one another, in nodes, fragments and states.
 
 use std::rc::Rc;
 
@@ -8,7 +8,7 @@ use super::model::{
 };
 use crate::random::Random;
 
-/// A random program.
+/// Generates the program of a seed.
 pub(crate) fn model(seed: u64, lustre: bool) -> Model {
     let mut random = Random::new(seed);
     let mut maker = Maker {
@@ -70,7 +70,7 @@ impl Maker<'_> {
         self.flows.len() - 1
     }
 
-    /// In-ports and what they can sample.
+    /// Adds in-ports, and returns the scope in which they can be used as clocks.
     fn inputs(&mut self, ports: &[(&str, Kind)]) -> (Vec<FlowId>, Scope) {
         let mut scope = Scope::default();
         for (start, kind) in ports {
@@ -82,7 +82,7 @@ impl Maker<'_> {
         (scope.known.clone(), scope)
     }
 
-    /// Others can be sampled by a flow, from here on.
+    /// Allows a flow to be used as a clock from here on.
     fn decides(&mut self, flow: FlowId, scope: &mut Scope) {
         let flow = &mut self.flows[flow];
         if matches!(flow.kind, Kind::Bool | Kind::Mode) && !flow.optional {
@@ -95,7 +95,7 @@ impl Maker<'_> {
         }
     }
 
-    /// A node that is called: `a` ticks by its first in-port, `e` by what only the node knows.
+    /// Generates a called node: `a` is sampled by its first in-port, `e` by a local flow.
     fn called(&mut self, k: usize) -> Unit {
         let (mut inputs, mut scope) = self.inputs(&[("c", Kind::Bool), ("x", Kind::Int)]);
         let on: Clock = Rc::new([self.flows[inputs[0]].name.clone()]);
@@ -168,7 +168,7 @@ impl Maker<'_> {
         *self.random.pick(&kinds)
     }
 
-    /// A local flow of any clock there is so far. The more they are the more clocks there are for others.
+    /// Adds a local flow with any clock available so far. More flows provide more clocks for others.
     fn local(&mut self, clocks: &mut Scope) -> FlowId {
         let all = self.exprs().clocks(clocks);
         let (name, kind) = (self.name("v"), self.kind());
@@ -188,7 +188,7 @@ impl Maker<'_> {
         flow
     }
 
-    /// A way to declare a flow.
+    /// Returns a random way to declare a flow.
     fn declaration(&mut self, flow: FlowId) -> Declared {
         let may_be_optional = self.flows[flow].optional;
         match self.random.below(3) {
@@ -199,7 +199,7 @@ impl Maker<'_> {
         }
     }
 
-    /// Equations for what is wanted, with some flows of its own.
+    /// Generates equations for the required flows and for some local ones.
     fn body(&mut self, outer: Scope, wanted: &[FlowId], nesting: usize, most: usize) -> Body {
         let mut clocks = Scope {
             deciders: outer.deciders.clone(),
@@ -209,7 +209,7 @@ impl Maker<'_> {
         let locals: Vec<FlowId> = (0..count).map(|_| self.local(&mut clocks)).collect();
         let mut outputs = wanted.to_vec();
         for flow in wanted {
-            // An out-port `T?` has any clock.
+            // An out-port `T?` may have any clock.
             if !self.lustre
                 && self.flows[*flow].clock.is_empty()
                 && self.flows[*flow].name.starts_with(['y', 'e'])
@@ -249,7 +249,7 @@ impl Maker<'_> {
         body
     }
 
-    /// What defines a flow: it gives the flow its clock.
+    /// Returns the definition of a flow, which determines its clock.
     fn value(&mut self, scope: &Scope, flow: FlowId) -> Expr {
         let Flow {
             kind,
@@ -277,7 +277,7 @@ impl Maker<'_> {
         )
     }
 
-    /// Something more than an equation of one flow.
+    /// Returns a statement other than an equation of one flow.
     fn statement(
         &mut self,
         scope: &mut Scope,
@@ -300,7 +300,7 @@ impl Maker<'_> {
         self.exprs().expr(scope, &want, 2)
     }
 
-    /// What can be read in a block: nothing that is defined later.
+    /// Returns the flows that can be read in a block: none that are defined later.
     fn inner(&self, scope: &Scope) -> Scope {
         Scope {
             delayed: Vec::new(),
@@ -404,7 +404,7 @@ impl Maker<'_> {
         vec![(condition, how, self.random.pick(names).clone())]
     }
 
-    /// A call of a node of which the results have different clocks.
+    /// Adds a call of a node whose results have different clocks.
     fn instance(&mut self, scope: &mut Scope, body: &mut Body) -> Option<Statement> {
         let known = self.units.len();
         let callee = (known > 0).then(|| self.units[self.random.below(known)].clone())?;
@@ -455,7 +455,7 @@ impl Maker<'_> {
             let first = &self.flows[callee.inputs[0]].name;
             let seen = own.clock.iter().map(|own| match own == first {
                 true => on_text.clone(),
-                // Neither has what decides in the callee a name here, nor what is not given as a flow.
+                // Neither a condition inside the callee nor an unnamed argument has a name in the caller.
                 false if *own == format!("not {first}") && !unnamed => format!("not {on_text}"),
                 false => format!("?{whole} {own}"),
             });

@@ -1,16 +1,16 @@
-//! Clocks: what is sampled by flows that are sampled by others, in nodes, fragments and states, in `.rpi` and in Lustre.
+//! Clocks: flows sampled by sampled flows, in nodes, fragments and states, in `.rpi` and in Lustre.
 //!
-//! Every random program here is right by construction: its maker knows the clock of every flow. It is run as an image and
-//! by the reference, and written in other ways that mean the same (M4): each of them must be accepted, too, and have the
-//! same value in every cycle.
+//! Every random program here is correct by construction, because the generator knows the clock of every flow. It is run
+//! as an image and by the reference interpreter, and rewritten in equivalent ways (M4). Each variant must be accepted
+//! and have the same values in every cycle.
 //!
 //! | file | idea |
 //! |---|---|
-//! | `model.rs` | programs as data |
+//! | `model.rs` | data model of programs |
 //! | `make.rs`, `exprs.rs` | random programs, random expressions of a type and a clock |
-//! | `write.rs` | a model as text |
-//! | `vary.rs` | other ways to write it |
-//! | `shrink.rs` | making it smaller |
+//! | `write.rs` | conversion of a model to text |
+//! | `vary.rs` | equivalent variants |
+//! | `shrink.rs` | reduction of failing programs |
 
 mod exprs;
 mod make;
@@ -30,15 +30,15 @@ use crate::run::{self, Ready, Rows};
 use crate::{CYCLES, PROGRAMS, SEED, alike, number};
 use model::Model;
 
-/// Ways in which each program is written.
+/// Number of variants of each program.
 const VARIANTS: u64 = 4;
 
-/// The text of a random program.
+/// Returns the text of a random program.
 pub(crate) fn text(seed: u64, lustre: bool) -> String {
     make::model(seed, lustre).text()
 }
 
-/// Ready to run, or why not.
+/// Compiles a model, or returns the reason why that fails.
 fn ready(model: &Model) -> Result<Ready, String> {
     Ready::of_kind(&model.text(), "main", kind(model))
 }
@@ -51,7 +51,7 @@ fn kind(model: &Model) -> Kind {
     }
 }
 
-/// Runs a program both ways.
+/// Runs a program as an image and in the interpreter.
 fn runs(model: &Model, seed: u64) -> Result<(Rows, Vec<run::Seen>), String> {
     let ready = ready(model)?;
     let mut rows = ready.rows(&mut Random::new(seed), CYCLES);
@@ -65,14 +65,14 @@ fn runs(model: &Model, seed: u64) -> Result<(Rows, Vec<run::Seen>), String> {
     Ok((rows, expected))
 }
 
-/// No integer of an input makes a program overflow: then an equation that nobody reads would matter.
+/// Limits an integer input, so that no program overflows. Otherwise removing an unused equation could remove a fault.
 fn small(value: &mut Value) {
     if let Value::Int(number) = value {
         *number %= 100;
     }
 }
 
-/// Runs a program in another way to write it.
+/// Runs a variant of a program.
 fn varies(model: &Model, seed: u64, rows: &Rows, expected: &Vec<run::Seen>) -> Result<(), String> {
     let mut random = Random::new(seed);
     let mut other = model.clone();
@@ -85,7 +85,7 @@ fn varies(model: &Model, seed: u64, rows: &Rows, expected: &Vec<run::Seen>) -> R
     let found = catch_unwind(AssertUnwindSafe(run)).unwrap_or_else(|_| Err("panics".to_owned()));
     let found = found.map_err(|why| format!("{name}, {why}\n{text}"))?;
     alike(
-        &format!("written otherwise, {name}, inputs {rows:?}\n{text}"),
+        &format!("variant {name}, inputs {rows:?}\n{text}"),
         expected,
         &found,
     )
@@ -104,7 +104,7 @@ fn holds(model: &Model, seed: u64) -> Result<(), String> {
     Ok(())
 }
 
-/// What is different: all up to the first colon or line.
+/// Returns the kind of a failure: the text up to the first colon or line end.
 fn sort(why: &str) -> String {
     why.split([':', '\n']).next().unwrap_or_default().to_owned()
 }
@@ -114,7 +114,7 @@ fn tried(model: &Model, seed: u64) -> Result<(), String> {
     tried.unwrap_or_else(|_| Err("panics: see above".to_owned()))
 }
 
-/// A smaller program of which the same does not hold, and what that is.
+/// Returns a smaller program with the same kind of failure, and its message.
 fn smallest(model: Model, seed: u64, why: String) -> (Model, String) {
     let same = |model: &Model| tried(model, seed).is_err_and(|other| sort(&other) == sort(&why));
     let small = shrink::shrink(model, same);
@@ -122,7 +122,7 @@ fn smallest(model: Model, seed: u64, why: String) -> (Model, String) {
     (small, why)
 }
 
-/// Tries it on so many programs.
+/// Tests the given number of programs.
 fn holds_of_all(lustre: bool) {
     let (programs, first) = (number("RPI_PROGRAMS", PROGRAMS), number("RPI_SEED", SEED));
     let mut sorts: BTreeMap<String, u64> = BTreeMap::new();
@@ -131,7 +131,7 @@ fn holds_of_all(lustre: bool) {
         let Err(why) = tried(&model, seed) else {
             continue;
         };
-        // With `RPI_SURVEY` one program of each sort is shown.
+        // With `RPI_SURVEY`, one program of each kind of failure is shown.
         let count = sorts.entry(sort(&why)).or_default();
         *count += 1;
         if *count > 1 {

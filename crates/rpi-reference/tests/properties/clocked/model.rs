@@ -1,8 +1,8 @@
-//! A program with clocks as a model: enough to write it in several ways that mean the same.
+//! Data model of a program with clocks, from which equivalent variants can be written.
 
 use std::rc::Rc;
 
-/// A type without presence.
+/// Type without presence.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Kind {
     Bool,
@@ -12,62 +12,62 @@ pub(crate) enum Kind {
     Mode,
 }
 
-/// What a flow is sampled by, one after the other, as a program writes it (`c`, `not c`, `Slow(m)`). A sampling that has
-/// no name at the place begins with `?`.
+/// Clock: the sampling conditions in order, as written in a program (`c`, `not c`, `Slow(m)`). A condition that has no
+/// name at the location begins with `?`.
 pub(crate) type Clock = Rc<[String]>;
 
 /// Index of a flow in [`Model::flows`].
 pub(crate) type FlowId = usize;
 
-/// How a flow is declared.
+/// Form of the declaration of a flow.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Declared {
-    /// Not at all.
+    /// Not declared.
     Not,
-    /// By its type and clock.
+    /// With its type and clock.
     Exact,
-    /// `T?`
+    /// As `T?`.
     Optional,
 }
 
-/// A flow.
+/// Flow.
 #[derive(Clone, Debug)]
 pub(crate) struct Flow {
-    /// As a program writes it; parts of others have their path.
+    /// Name as written in a program; members include their path.
     pub(crate) name: String,
     pub(crate) kind: Kind,
     pub(crate) clock: Clock,
-    /// Whether its readers take it for one that may be absent.
+    /// Whether readers must treat it as possibly absent.
     pub(crate) optional: bool,
     pub(crate) declared: Declared,
-    /// Whether its declaration may change.
+    /// Whether its declaration may be changed.
     pub(crate) is_free: bool,
-    /// Whether something ticks by it, or it is seen from outside: then it keeps its name and equation.
+    /// Whether it is used as a clock or from outside, so that its name and equation must be kept.
     pub(crate) is_fixed: bool,
 }
 
-/// An expression.
+/// Expression.
 #[derive(Clone, Debug)]
 pub(crate) struct Expr {
     pub(crate) node: Node,
     pub(crate) kind: Kind,
     pub(crate) optional: bool,
-    /// The clock that its parts give it, if they give it one.
+    /// Clock given by the parts, if any.
     pub(crate) clock: Option<Clock>,
 }
 
-/// What an expression is.
+/// Form of an expression.
 #[derive(Clone, Debug)]
 pub(crate) enum Node {
     Flow(FlowId),
-    /// A text in which `@` stands for a part.
+    /// Text in which each `@` stands for a part.
     Form(Rc<str>, Vec<Expr>),
 }
 
-/// A statement.
+/// Statement.
 #[derive(Clone, Debug)]
 pub(crate) enum Statement {
-    /// Flows and what defines them: one flow, or the results of a call.
+    /// Flows and their definition: one flow, or the results of a call.
     Equation(Equation),
     /// `fragment F when c let ... tel`
     Fragment {
@@ -88,26 +88,26 @@ pub(crate) struct Equation {
     pub(crate) bound: Bound,
 }
 
-/// How an equation gives its value to its flows.
+/// Binding of the value of an equation to its flows.
 #[derive(Clone, Debug)]
 pub(crate) enum Bound {
     /// `x = e`, `(x, y) = e`
     Names,
-    /// `r = e`, the flows are `r.x`, `r.y`.
+    /// `r = e`; the flows are `r.x`, `r.y`.
     Whole(String),
 }
 
-/// A state.
+/// State of an automaton.
 #[derive(Clone, Debug)]
 pub(crate) struct State {
     pub(crate) name: String,
     pub(crate) body: Body,
-    /// Conditions, `then` or `continue`, and targets.
+    /// Condition, `then` or `continue`, and target of each transition.
     pub(crate) unless: Vec<(Expr, &'static str, String)>,
     pub(crate) until: Vec<(Expr, &'static str, String)>,
 }
 
-/// What stands in a node, fragment or state.
+/// Content of a node, fragment or state.
 #[derive(Clone, Default, Debug)]
 pub(crate) struct Body {
     /// Flows that it may declare.
@@ -115,7 +115,7 @@ pub(crate) struct Body {
     pub(crate) statements: Vec<Statement>,
 }
 
-/// A node.
+/// Node.
 #[derive(Clone, Debug)]
 pub(crate) struct Unit {
     pub(crate) name: String,
@@ -124,7 +124,7 @@ pub(crate) struct Unit {
     pub(crate) body: Body,
 }
 
-/// A program: called nodes, then `main`.
+/// Program: called nodes, then `main`.
 #[derive(Clone, Debug)]
 pub(crate) struct Model {
     pub(crate) lustre: bool,
@@ -155,7 +155,7 @@ impl Kind {
 }
 
 impl Expr {
-    /// Calls `visit` with all flows that it reads.
+    /// Calls `visit` with all flows that the expression reads.
     pub(crate) fn flows(&self, visit: &mut impl FnMut(FlowId)) {
         match &self.node {
             Node::Flow(flow) => visit(*flow),
@@ -178,14 +178,14 @@ impl Expr {
         }
     }
 
-    /// Whether it gives its clock to all that reads it, and all of that can be written elsewhere in its body.
+    /// Returns whether the expression itself determines the given clock, so that it does not depend on its reader.
     pub(crate) fn is_anchored(&self, clock: &Clock) -> bool {
         self.clock.as_ref() == Some(clock)
     }
 }
 
 impl Statement {
-    /// Calls `change` with the expressions that stand in the same body as it.
+    /// Calls `change` with the expressions of the statement that belong to the enclosing body.
     pub(crate) fn own_exprs_mut(&mut self, change: &mut impl FnMut(&mut Expr)) {
         match self {
             Statement::Equation(equation) => change(&mut equation.value),
@@ -197,7 +197,7 @@ impl Statement {
         }
     }
 
-    /// The bodies in it.
+    /// Returns the nested bodies.
     pub(crate) fn bodies_mut(&mut self) -> Vec<&mut Body> {
         match self {
             Statement::Equation(_) => Vec::new(),
@@ -208,7 +208,7 @@ impl Statement {
 }
 
 impl Body {
-    /// Calls `change` with this body and those in it.
+    /// Calls `change` with this body and all nested bodies.
     pub(crate) fn each_body(&mut self, change: &mut impl FnMut(&mut Body)) {
         for statement in &mut self.statements {
             for body in statement.bodies_mut() {
@@ -218,7 +218,7 @@ impl Body {
         change(self);
     }
 
-    /// Calls `change` with all expressions in it and in the bodies in it, each as a whole.
+    /// Calls `change` with all whole expressions of this body and of all nested bodies.
     pub(crate) fn each_expr(&mut self, change: &mut impl FnMut(&mut Expr)) {
         for statement in &mut self.statements {
             statement.own_exprs_mut(change);

@@ -1,12 +1,12 @@
-//! Making a model smaller that shows something.
+//! Reduction of a model that fails a test.
 
 use super::exprs::{Want, form};
 use super::model::{Body, Clock, Expr, Kind, Model, Node, Statement};
 
-/// Attempts at it.
+/// Largest number of attempts.
 const ATTEMPTS: usize = 1500;
 
-/// The smallest model found that is still `bad`.
+/// Returns the smallest model found that is still `bad`.
 pub(crate) fn shrink(mut model: Model, bad: impl Fn(&Model) -> bool) -> Model {
     let mut left = ATTEMPTS;
     'again: loop {
@@ -31,7 +31,7 @@ pub(crate) fn shrink(mut model: Model, bad: impl Fn(&Model) -> bool) -> Model {
     model
 }
 
-/// Makes the change of this number, and says how many there are.
+/// Makes the change with this number, and returns the number of possible changes.
 fn changes(model: &mut Model, wanted: usize) -> usize {
     let mut k = 0;
     let mut is_next = || {
@@ -76,7 +76,7 @@ fn changes(model: &mut Model, wanted: usize) -> usize {
     k
 }
 
-/// Without a statement.
+/// Removes statements, transitions and restarts.
 fn remove(body: &mut Body, is_next: &mut impl FnMut() -> bool, gone: &mut Vec<usize>) {
     for k in (0..body.statements.len()).rev() {
         if is_next() {
@@ -104,7 +104,7 @@ fn remove(body: &mut Body, is_next: &mut impl FnMut() -> bool, gone: &mut Vec<us
     }
 }
 
-/// One of its parts, or a literal, of the same clock.
+/// Replaces an expression by one of its parts, or by a literal, of the same clock.
 fn smaller(expr: &mut Expr, is_next: &mut impl FnMut() -> bool) {
     let Node::Form(_, parts) = &expr.node else {
         return;
@@ -124,7 +124,7 @@ fn smaller(expr: &mut Expr, is_next: &mut impl FnMut() -> bool) {
     }
 }
 
-/// A literal of a clock; of one without a name it has none.
+/// Returns a literal on a clock, if the clock can be named.
 fn literal(kind: Kind, clock: &Clock) -> Expr {
     let want = Want {
         kind,

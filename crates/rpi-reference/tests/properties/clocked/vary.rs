@@ -1,5 +1,5 @@
-//! Other ways to write a program, which mean the same (M4): equations in another order, flows declared otherwise, values
-//! and results named or not, bundled, in a state, behind a call.
+//! Equivalent variants of a program (M4): reordered equations, changed declarations, named or inlined values and
+//! results, bundled flows, a state around the body, or a call around it.
 
 use std::collections::BTreeMap;
 
@@ -9,10 +9,10 @@ use super::model::{
 };
 use crate::random::Random;
 
-/// A way to change a program; false where there is nothing to change.
+/// Transformation of a program; returns false if it is not applicable.
 type Way = fn(&mut Model, &mut Random) -> bool;
 
-/// All of them, by name.
+/// All transformations, by name.
 pub(crate) const WAYS: &[(&str, Way)] = &[
     ("shuffled", shuffled),
     ("declared", declared),
@@ -40,7 +40,7 @@ fn shuffled(model: &mut Model, random: &mut Random) -> bool {
     true
 }
 
-/// `T?` more or less, types and clocks said or not.
+/// Changes declarations: `T?` added or removed, types and clocks stated or omitted.
 fn declared(model: &mut Model, random: &mut Random) -> bool {
     let mut changed = false;
     for flow in model.flows.iter_mut().filter(|flow| flow.is_free) {
@@ -55,7 +55,7 @@ fn declared(model: &mut Model, random: &mut Random) -> bool {
     changed
 }
 
-/// Calls `change` with some body of a program, and all flows.
+/// Calls `change` with random bodies of the program until one is changed, and all flows.
 fn in_some_body(
     model: &mut Model,
     random: &mut Random,
@@ -67,7 +67,7 @@ fn in_some_body(
         .iter_mut()
         .for_each(|unit| unit.body.each_body(&mut |_| count += 1));
     let (first, mut done) = (random.below(count), false);
-    // From some body on, until one can be changed.
+    // Start with a random body and continue until one can be changed.
     for wanted in (first..count).chain(0..first) {
         let mut k = 0;
         for unit in &mut model.units {
@@ -80,7 +80,7 @@ fn in_some_body(
     done
 }
 
-/// Gives a part of an equation a name.
+/// Names a part of an equation.
 fn named(model: &mut Model, random: &mut Random) -> bool {
     let lustre = model.lustre;
     in_some_body(model, random, &mut |body, flows, random| {
@@ -97,7 +97,7 @@ fn named(model: &mut Model, random: &mut Random) -> bool {
                     .clock
                     .as_ref()
                     .is_some_and(|clock| !lustre || has_name(clock));
-                // A call of several results is no value by itself.
+                // A call with several results is not a value on its own.
                 let is_value = matches!(&expr.node, Node::Form(text, _) if !text.starts_with("Sub") || text.contains(")."));
                 if fits && is_value {
                     places.push((k, part));
@@ -116,7 +116,7 @@ fn named(model: &mut Model, random: &mut Random) -> bool {
     })
 }
 
-/// Takes a part of an equation out of it, and puts a flow there.
+/// Moves a part of an equation to a new flow.
 fn take(
     statement: &mut Statement,
     wanted: usize,
@@ -163,7 +163,7 @@ fn take(
     }
 }
 
-/// Writes what a flow is wherever it is read.
+/// Replaces all reads of a flow by its definition.
 fn inlined(model: &mut Model, random: &mut Random) -> bool {
     let read_in = reads(model);
     let callees: Vec<Unit> = model.units.clone();
@@ -211,7 +211,8 @@ fn is_call(equation: &Equation) -> bool {
     matches!(&equation.value.node, Node::Form(text, _) if text.starts_with("Sub"))
 }
 
-/// Whether all clocks of the flows that an equation defines have names: what has none is another one at each place.
+/// Returns whether all clocks of the flows defined by an equation have names. A clock without a name is a different one
+/// at each location.
 fn has_names(equation: &Equation, flows: &[Flow]) -> bool {
     let clocks = equation
         .targets
@@ -229,7 +230,7 @@ fn reads_itself(equation: &Equation) -> bool {
     own
 }
 
-/// The value of one of the flows that an equation defines, by itself.
+/// Returns the value of one of the flows defined by an equation.
 fn part_of(equation: &Equation, place: usize, callees: &[Unit], flows: &[Flow]) -> Expr {
     if equation.targets.len() == 1 {
         return equation.value.clone();
@@ -255,7 +256,7 @@ fn part_of(equation: &Equation, place: usize, callees: &[Unit], flows: &[Flow]) 
     )
 }
 
-/// How often each flow is read, in all bodies.
+/// Returns the number of reads of each flow in all bodies.
 fn reads(model: &mut Model) -> BTreeMap<FlowId, usize> {
     let mut read: BTreeMap<FlowId, usize> = BTreeMap::new();
     for unit in &mut model.units {
@@ -265,7 +266,7 @@ fn reads(model: &mut Model) -> BTreeMap<FlowId, usize> {
     read
 }
 
-/// How often a flow is read by equations of a body itself.
+/// Returns the number of reads of a flow by equations directly in a body.
 fn body_reads(body: &Body, wanted: FlowId) -> usize {
     let mut count = 0;
     for statement in &body.statements {
@@ -290,7 +291,7 @@ fn replace(body: &mut Body, target: FlowId, value: &Expr) {
     }
 }
 
-/// Two flows as parts of one, or defined by one equation.
+/// Defines two flows as members of one, or by one equation.
 fn bundled(model: &mut Model, random: &mut Random) -> bool {
     let lustre = model.lustre;
     in_some_body(model, random, &mut |body, flows, random| {
@@ -349,7 +350,7 @@ fn bundled(model: &mut Model, random: &mut Random) -> bool {
     })
 }
 
-/// The results of calls by names of their own, or as parts of one.
+/// Changes the results of calls between separate names and members of one name.
 fn results(model: &mut Model, _: &mut Random) -> bool {
     let mut changed = false;
     if model.lustre {
@@ -388,13 +389,13 @@ fn results(model: &mut Model, _: &mut Random) -> bool {
     changed
 }
 
-/// All that a node does, in the only state of an automaton.
+/// Moves the body of a node into the only state of an automaton.
 fn in_a_state(model: &mut Model, random: &mut Random) -> bool {
     if model.lustre {
         return false;
     }
     let k = random.below(model.units.len());
-    // An out-port without a stated clock that states define has a value, or none, in all cycles (M14.4).
+    // An out-port shared by states and without a declared clock is read in all cycles, present or not (M14.4).
     let is_open = |flow: &FlowId| model.flows[*flow].declared == Declared::Optional;
     if model.units[k].outputs.iter().any(is_open) {
         return false;
@@ -412,7 +413,7 @@ fn in_a_state(model: &mut Model, random: &mut Random) -> bool {
     true
 }
 
-/// `main` behind a call.
+/// Moves `main` behind a call.
 fn behind_a_call(model: &mut Model, random: &mut Random) -> bool {
     let Some(main) = model.units.iter_mut().find(|unit| unit.name == "main") else {
         return false;

@@ -1,4 +1,4 @@
-//! A model as a program.
+//! Conversion of a model to text.
 
 use std::fmt::Write as _;
 
@@ -6,7 +6,7 @@ use super::model::{
     Body, Bound, Declared, Equation, Expr, Flow, FlowId, Model, Node, State, Statement, Unit,
 };
 
-/// What all programs lean on; the last line is for `.rpi` only.
+/// Declarations used by all programs.
 const PRELUDE: &str = "type Pair = struct { u: int; v: int };\n\
     type Mode = enum { Off, Slow, Fast };\n\
     node Count (x: int) returns (n: int);\nlet n = (0 -> pre n) mod 100 + x; tel\n\
@@ -128,12 +128,12 @@ impl Model {
     }
 }
 
-/// A declaration.
+/// Returns the declaration of a flow.
 fn port(flow: &Flow) -> String {
     let (name, kind) = (&flow.name, flow.kind.text());
     match (flow.declared, flow.clock.last()) {
         (Declared::Optional, _) => format!("{name}: {kind}?"),
-        // A flow that may be absent at the ticks of its clock.
+        // A flow that may be absent at ticks of its clock.
         (_, Some(_)) if flow.optional => format!("{name}: {kind}?"),
         (_, Some(on)) => format!("{name}: {kind} when {on}"),
         (_, None) if flow.optional => format!("{name}: {kind}?"),

@@ -32,9 +32,9 @@ pub(super) fn build<'a>(program: &Program<'a>, sources: &[Source<'a>]) -> Index 
         builder.index.scopes[scope.0 as usize].uses = used.collect();
     }
     for (source, scope) in sources.iter().zip(&scopes) {
-        builder.items(source, *scope);
+        items::index_items(&mut builder, source, *scope);
     }
-    builder.work_off();
+    refs::resolve_pending(&mut builder);
     builder.index.references.sort_unstable();
     builder.index.references.dedup();
     builder.index

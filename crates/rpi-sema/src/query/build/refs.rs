@@ -1,5 +1,6 @@
 //! Resolves references, after all names are defined.
 
+use super::shapes;
 use crate::query::build::{
     Builder, Callee, Clock, DefId, Dotted, Expr, Ident, Run, ScopeId, Target, Type, Update, Work,
 };
@@ -11,305 +12,343 @@ use rpi_syntax::ast::{
     StaticArg, StaticValue, StructExpr, Tick, TypeKind,
 };
 
-impl<'a> Builder<'a> {
-    /// Resolves everything on the worklist and computes the shape of every definition.
-    pub(super) fn work_off(&mut self) {
-        for (scope, work) in std::mem::take(&mut self.work) {
-            match work {
-                Work::Expr(expr) => self.expr(scope, expr),
-                Work::Type(ty) => self.ty(scope, ty),
-                Work::Clock(clock) => self.clock(scope, clock),
-                Work::Target(target) => self.target_part(scope, target),
-                Work::Dotted(dotted) => self.dotted(scope, dotted),
-                Work::Callee(callee) => self.callee(scope, callee),
-                Work::Run(run) => self.run(scope, run),
-                Work::Name(name) => {
-                    self.name(scope, &name.name, name.span);
-                }
-                Work::Module(name) => {
-                    if let Some(def) = self.modules.get(&name.name).copied() {
-                        self.refer(name.span, def);
-                    }
+/// Resolves everything on the worklist and computes the shape of every definition.
+pub(super) fn resolve_pending(builder: &mut Builder<'_>) {
+    for (scope, work) in std::mem::take(&mut builder.work) {
+        match work {
+            Work::Expr(expr) => index_expr(builder, scope, expr),
+            Work::Type(ty) => index_ty(builder, scope, ty),
+            Work::Clock(clock) => index_clock(builder, scope, clock),
+            Work::Target(target) => target_part(builder, scope, target),
+            Work::Dotted(dotted) => index_dotted(builder, scope, dotted),
+            Work::Callee(callee) => index_callee(builder, scope, callee),
+            Work::Run(run) => index_run(builder, scope, run),
+            Work::Name(name) => {
+                index_name(builder, scope, &name.name, name.span);
+            }
+            Work::Module(name) => {
+                if let Some(def) = builder.modules.get(&name.name).copied() {
+                    builder.refer(name.span, def);
                 }
             }
         }
-        for id in (0..self.index.defs.len()).filter_map(|k| u32::try_from(k).ok()) {
-            let shape = self.shape(DefId(id));
-            self.index.defs[id as usize].shape = shape;
+    }
+    for id in (0..builder.index.defs.len()).filter_map(|k| u32::try_from(k).ok()) {
+        let shape = shapes::index_shape(builder, DefId(id));
+        builder.index.defs[id as usize].shape = shape;
+    }
+}
+
+fn index_name(builder: &mut Builder<'_>, scope: ScopeId, name: &Name, span: Span) -> Option<DefId> {
+    let def = builder.index.lookup(scope, name)?;
+    builder.refer(span, def);
+    Some(def)
+}
+
+fn exprs_in<'a>(
+    builder: &mut Builder<'a>,
+    scope: ScopeId,
+    exprs: impl IntoIterator<Item = &'a Expr>,
+) {
+    exprs
+        .into_iter()
+        .for_each(|expr| index_expr(builder, scope, expr));
+}
+
+fn index_expr<'a>(builder: &mut Builder<'a>, scope: ScopeId, expr: &'a Expr) {
+    match &expr.kind {
+        ExprKind::Bool(_) | ExprKind::Number(_) | ExprKind::Quantity(_) | ExprKind::Str(_) => {}
+        ExprKind::Name(name) => {
+            index_name(builder, scope, name, expr.span);
         }
+        ExprKind::Field(field) => {
+            index_expr(builder, scope, &field.base);
+            let owner = shapes::owner_of(builder, scope, &field.base);
+            index_member(builder, owner, &field.field);
+        }
+        ExprKind::Index(index) => exprs_in(builder, scope, [&index.base, &index.index]),
+        ExprKind::Slice(of) => {
+            index_expr(builder, scope, &of.base);
+            index_slice(builder, scope, &of.slice);
+        }
+        ExprKind::Bits(of) => exprs_in(builder, scope, [&of.base, &of.high, &of.low]),
+        ExprKind::Unary(_, inner) | ExprKind::Paren(inner) => index_expr(builder, scope, inner),
+        ExprKind::Binary(binary) => exprs_in(builder, scope, [&binary.lhs, &binary.rhs]),
+        ExprKind::When(when) => {
+            index_expr(builder, scope, &when.value);
+            index_clock(builder, scope, &when.clock);
+        }
+        ExprKind::If(choice) => {
+            exprs_in(builder, scope, [&choice.condition, &choice.yes, &choice.no])
+        }
+        ExprKind::Call(call) => index_call(builder, scope, call),
+        ExprKind::Among(_, all) | ExprKind::Tuple(all) | ExprKind::Array(all) => {
+            exprs_in(builder, scope, &**all);
+        }
+        ExprKind::Merge(merge) => {
+            index_expr(builder, scope, &merge.on);
+            for case in &merge.cases {
+                index_name(builder, scope, &case.value.name, case.value.span);
+                index_expr(builder, scope, &case.then);
+            }
+        }
+        ExprKind::Quantified(of) => {
+            let names = of.vars.iter().flat_map(|var| &var.names);
+            let names = names.map(|name| &name.name);
+            of.vars
+                .iter()
+                .for_each(|var| index_ty(builder, scope, &var.ty));
+            binder_expr(builder, scope, names, &of.condition);
+        }
+        ExprKind::Ascribed(of) => {
+            index_expr(builder, scope, &of.value);
+            index_ty(builder, scope, &of.ty);
+        }
+        ExprKind::IsA(of) => index_expr(builder, scope, &of.value),
+        ExprKind::Match(of) => {
+            index_expr(builder, scope, &of.value);
+            for arm in &of.arms {
+                index_name(
+                    builder,
+                    scope,
+                    &arm.pattern.name.name,
+                    arm.pattern.name.span,
+                );
+                let parts = arm.pattern.parts.iter().flat_map(Pattern::names);
+                binder_expr(builder, scope, parts.map(|name| &name.name), &arm.then);
+            }
+        }
+        ExprKind::EmptySet(types) => index_statics(builder, scope, None, types),
+        ExprKind::Struct(of) => struct_expr(builder, scope, of),
+        ExprKind::Update(update) => index_update(builder, scope, update),
     }
+}
 
-    fn name(&mut self, scope: ScopeId, name: &Name, span: Span) -> Option<DefId> {
-        let def = self.index.lookup(scope, name)?;
-        self.refer(span, def);
-        Some(def)
+/// Visits an expression with bound names. If one of them shadows an outer name, the expression is not resolved.
+fn binder_expr<'a>(
+    builder: &mut Builder<'a>,
+    scope: ScopeId,
+    mut names: impl Iterator<Item = &'a Name>,
+    expr: &'a Expr,
+) {
+    if !names.any(|name| builder.index.lookup(scope, name).is_some()) {
+        index_expr(builder, scope, expr);
     }
+}
 
-    fn all(&mut self, scope: ScopeId, exprs: impl IntoIterator<Item = &'a Expr>) {
-        exprs.into_iter().for_each(|expr| self.expr(scope, expr));
+fn index_member(builder: &mut Builder<'_>, owner: Option<DefId>, field: &Ident) -> Option<DefId> {
+    let def = shapes::member_named(builder, owner?, &field.name)?;
+    builder.refer(field.span, def);
+    Some(def)
+}
+
+fn index_slice<'a>(builder: &mut Builder<'a>, scope: ScopeId, slice: &'a Slice) {
+    exprs_in(
+        builder,
+        scope,
+        [&slice.from, &slice.to].into_iter().chain(&slice.step),
+    );
+}
+
+fn struct_expr<'a>(builder: &mut Builder<'a>, scope: ScopeId, of: &'a StructExpr) {
+    let ty = index_name(builder, scope, &of.ty.name, of.ty.span);
+    let owner = ty.map(|ty| shapes::resolve_type_alias(builder, ty));
+    exprs_in(builder, scope, &of.base);
+    for field in &of.fields {
+        index_member(builder, owner, &field.field);
+        index_expr(builder, scope, &field.value);
     }
+}
 
-    fn expr(&mut self, scope: ScopeId, expr: &'a Expr) {
-        match &expr.kind {
-            ExprKind::Bool(_) | ExprKind::Number(_) | ExprKind::Quantity(_) | ExprKind::Str(_) => {}
-            ExprKind::Name(name) => {
-                self.name(scope, name, expr.span);
-            }
-            ExprKind::Field(field) => {
-                self.expr(scope, &field.base);
-                let owner = self.owner_of(scope, &field.base);
-                self.member(owner, &field.field);
-            }
-            ExprKind::Index(index) => self.all(scope, [&index.base, &index.index]),
-            ExprKind::Slice(of) => {
-                self.expr(scope, &of.base);
-                self.slice(scope, &of.slice);
-            }
-            ExprKind::Bits(of) => self.all(scope, [&of.base, &of.high, &of.low]),
-            ExprKind::Unary(_, inner) | ExprKind::Paren(inner) => self.expr(scope, inner),
-            ExprKind::Binary(binary) => self.all(scope, [&binary.lhs, &binary.rhs]),
-            ExprKind::When(when) => {
-                self.expr(scope, &when.value);
-                self.clock(scope, &when.clock);
-            }
-            ExprKind::If(choice) => self.all(scope, [&choice.condition, &choice.yes, &choice.no]),
-            ExprKind::Call(call) => self.call(scope, call),
-            ExprKind::Among(_, all) | ExprKind::Tuple(all) | ExprKind::Array(all) => {
-                self.all(scope, &**all);
-            }
-            ExprKind::Merge(merge) => {
-                self.expr(scope, &merge.on);
-                for case in &merge.cases {
-                    self.name(scope, &case.value.name, case.value.span);
-                    self.expr(scope, &case.then);
+fn index_update<'a>(builder: &mut Builder<'a>, scope: ScopeId, update: &'a Update) {
+    index_expr(builder, scope, &update.base);
+    for change in &update.changes {
+        let owner = shapes::owner_of(builder, scope, &update.base);
+        match &change.path[..] {
+            // The key is the name of a field, or a flow as an index.
+            [Access::Index(key)] if update.is_keyed && owner.is_some() => match key.as_name() {
+                Some(name) => {
+                    let (name, span) = (name.clone(), key.span);
+                    index_member(builder, owner, &Ident { name, span });
                 }
+                None => index_expr(builder, scope, key),
+            },
+            path => index_path(builder, scope, owner, path),
+        }
+        index_expr(builder, scope, &change.value);
+    }
+}
+
+fn index_path<'a>(
+    builder: &mut Builder<'a>,
+    scope: ScopeId,
+    mut owner: Option<DefId>,
+    path: &'a [Access],
+) {
+    for step in path {
+        match step {
+            Access::Field(field) => {
+                let def = index_member(builder, owner, field);
+                owner = def.and_then(|def| shapes::owner_of_def(builder, def));
             }
-            ExprKind::Quantified(of) => {
-                let names = of.vars.iter().flat_map(|var| &var.names);
-                let names = names.map(|name| &name.name);
-                of.vars.iter().for_each(|var| self.ty(scope, &var.ty));
-                self.with_own_names(scope, names, &of.condition);
-            }
-            ExprKind::Ascribed(of) => {
-                self.expr(scope, &of.value);
-                self.ty(scope, &of.ty);
-            }
-            ExprKind::IsA(of) => self.expr(scope, &of.value),
-            ExprKind::Match(of) => {
-                self.expr(scope, &of.value);
-                for arm in &of.arms {
-                    self.name(scope, &arm.pattern.name.name, arm.pattern.name.span);
-                    let parts = arm.pattern.parts.iter().flat_map(Pattern::names);
-                    self.with_own_names(scope, parts.map(|name| &name.name), &arm.then);
-                }
-            }
-            ExprKind::EmptySet(types) => self.statics(scope, None, types),
-            ExprKind::Struct(of) => self.struct_expr(scope, of),
-            ExprKind::Update(update) => self.update(scope, update),
+            Access::Index(index) => index_expr(builder, scope, index),
+            Access::Slice(slice) => index_slice(builder, scope, slice),
         }
     }
+}
 
-    /// Visits an expression with bound names. If one of them shadows an outer name, the expression is not resolved.
-    fn with_own_names(
-        &mut self,
-        scope: ScopeId,
-        mut names: impl Iterator<Item = &'a Name>,
-        expr: &'a Expr,
-    ) {
-        if !names.any(|name| self.index.lookup(scope, name).is_some()) {
-            self.expr(scope, expr);
-        }
+fn target_part<'a>(builder: &mut Builder<'a>, scope: ScopeId, target: &'a Target) {
+    let name = &target.name;
+    let def = index_name(builder, scope, &name.name, name.span);
+    let owner = def.and_then(|def| shapes::owner_of_def(builder, def));
+    index_path(builder, scope, owner, &target.path);
+}
+
+fn index_dotted<'a>(builder: &mut Builder<'a>, scope: ScopeId, dotted: &'a Dotted) {
+    let Some((first, rest)) = dotted.parts.split_first() else {
+        return;
+    };
+    let mut def = index_name(builder, scope, &first.name, first.span);
+    for part in rest {
+        let owner = def.and_then(|def| shapes::owner_of_def(builder, def));
+        def = index_member(builder, owner, part);
     }
+}
 
-    fn member(&mut self, owner: Option<DefId>, field: &Ident) -> Option<DefId> {
-        let def = self.member_named(owner?, &field.name)?;
-        self.refer(field.span, def);
-        Some(def)
+fn index_clock<'a>(builder: &mut Builder<'a>, scope: ScopeId, clock: &'a Clock) {
+    index_name(builder, scope, &clock.flow.name, clock.flow.span);
+    if let Tick::Value(value) = &clock.tick {
+        index_name(builder, scope, &value.name, value.span);
     }
+}
 
-    fn slice(&mut self, scope: ScopeId, slice: &'a Slice) {
-        self.all(
+fn index_call<'a>(builder: &mut Builder<'a>, scope: ScopeId, call: &'a Call) {
+    index_callee(builder, scope, &call.callee);
+    match &call.activation {
+        Activation::Always => {}
+        Activation::Activate {
+            every,
+            restart,
+            default,
+        } => exprs_in(
+            builder,
             scope,
-            [&slice.from, &slice.to].into_iter().chain(&slice.step),
-        );
+            [every].into_iter().chain(restart).chain(default),
+        ),
+        Activation::Restart { every } => index_expr(builder, scope, every),
     }
+    index_args(builder, scope, &call.callee.name.name, &call.args);
+}
 
-    fn struct_expr(&mut self, scope: ScopeId, of: &'a StructExpr) {
-        let ty = self.name(scope, &of.ty.name, of.ty.span);
-        let owner = ty.map(|ty| self.type_behind(ty));
-        self.all(scope, &of.base);
-        for field in &of.fields {
-            self.member(owner, &field.field);
-            self.expr(scope, &field.value);
+fn index_callee<'a>(builder: &mut Builder<'a>, scope: ScopeId, callee: &'a Callee) {
+    let def = index_name(builder, scope, &callee.name.name, callee.name.span);
+    index_statics(builder, scope, def, &callee.statics);
+}
+
+fn index_statics<'a>(
+    builder: &mut Builder<'a>,
+    scope: ScopeId,
+    of: Option<DefId>,
+    statics: &'a [StaticArg],
+) {
+    for arg in statics {
+        if let (Some(name), Some(of)) = (&arg.name, of) {
+            parameter(builder, of, name);
+        }
+        match &arg.value {
+            StaticValue::Expr(expr) => index_expr(builder, scope, expr),
+            StaticValue::Type(ty) => index_ty(builder, scope, ty),
+            StaticValue::Op(_) => {}
+            StaticValue::Callee(callee) => index_callee(builder, scope, callee),
         }
     }
+}
 
-    fn update(&mut self, scope: ScopeId, update: &'a Update) {
-        self.expr(scope, &update.base);
-        for change in &update.changes {
-            let owner = self.owner_of(scope, &update.base);
-            match &change.path[..] {
-                // The key is the name of a field, or a flow as an index.
-                [Access::Index(key)] if update.is_keyed && owner.is_some() => match key.as_name() {
-                    Some(name) => {
-                        let (name, span) = (name.clone(), key.span);
-                        self.member(owner, &Ident { name, span });
-                    }
-                    None => self.expr(scope, key),
-                },
-                path => self.path(scope, owner, path),
-            }
-            self.expr(scope, &change.value);
+fn index_args<'a>(builder: &mut Builder<'a>, scope: ScopeId, callee: &Name, args: &'a [Arg]) {
+    let def = builder.index.lookup(scope, callee);
+    for arg in args {
+        if let (Some(name), Some(def)) = (&arg.name, def) {
+            parameter(builder, def, name);
+        }
+        index_expr(builder, scope, &arg.value);
+    }
+}
+
+/// Resolves the name of an argument.
+fn parameter(builder: &mut Builder<'_>, of: DefId, name: &Ident) {
+    let of = shapes::resolve_callable_alias(builder, of);
+    let Some(scope) = builder.index.inside(of).parameters else {
+        return;
+    };
+    let found = builder.index.scope(scope).names.get(&name.name).copied();
+    if let Some(def) = found.filter(|id| builder.index.def(*id).kind.is_parameter()) {
+        builder.refer(name.span, def);
+    }
+}
+
+fn index_ty<'a>(builder: &mut Builder<'a>, scope: ScopeId, ty: &'a Type) {
+    match &ty.kind {
+        TypeKind::Bool | TypeKind::Int | TypeKind::Real(_) | TypeKind::Broken => {}
+        TypeKind::Named(named) => named_type(builder, scope, named),
+        TypeKind::Array(array) => {
+            index_ty(builder, scope, &array.element);
+            index_expr(builder, scope, &array.size);
+        }
+        TypeKind::Optional(inner) => index_ty(builder, scope, inner),
+        TypeKind::Subrange(range) => exprs_in(builder, scope, range.from.iter().chain(&range.to)),
+        // These occur only in type declarations, which are not on the worklist.
+        TypeKind::Enum(_) | TypeKind::Struct(_) | TypeKind::Data(_) => {}
+        TypeKind::Tuple(types) => types.iter().for_each(|ty| index_ty(builder, scope, ty)),
+        TypeKind::Refined(refined) => {
+            index_ty(builder, scope, &refined.base);
+            binder_expr(
+                builder,
+                scope,
+                [&refined.name.name].into_iter(),
+                &refined.condition,
+            );
         }
     }
+}
 
-    fn path(&mut self, scope: ScopeId, mut owner: Option<DefId>, path: &'a [Access]) {
-        for step in path {
-            match step {
-                Access::Field(field) => {
-                    let def = self.member(owner, field);
-                    owner = def.and_then(|def| self.owner_behind(def));
-                }
-                Access::Index(index) => self.expr(scope, index),
-                Access::Slice(slice) => self.slice(scope, slice),
-            }
+fn named_type<'a>(builder: &mut Builder<'a>, scope: ScopeId, named: &'a NamedType) {
+    let def = index_name(builder, scope, &named.name.name, named.name.span);
+    index_statics(builder, scope, def, &named.statics);
+    let Some(frames) = &named.frames else {
+        return;
+    };
+    for frame in frames.of.iter().chain([&frames.in_frame]) {
+        index_dotted(builder, scope, frame);
+    }
+}
+
+fn index_run<'a>(builder: &mut Builder<'a>, scope: ScopeId, run: &'a Run) {
+    index_callee(builder, scope, &run.callee);
+    index_args(builder, scope, &run.callee.name.name, &run.args);
+    let command = builder.index.lookup(scope, &run.callee.name.name);
+    for branch in &run.branches {
+        index_branch(builder, scope, command, branch);
+    }
+}
+
+fn index_branch<'a>(
+    builder: &mut Builder<'a>,
+    scope: ScopeId,
+    command: Option<DefId>,
+    branch: &'a Branch,
+) {
+    for result in &branch.on {
+        if let OnResult::Named(name) = result {
+            index_member(builder, command, name);
         }
     }
-
-    fn target_part(&mut self, scope: ScopeId, target: &'a Target) {
-        let name = &target.name;
-        let def = self.name(scope, &name.name, name.span);
-        let owner = def.and_then(|def| self.owner_behind(def));
-        self.path(scope, owner, &target.path);
+    if let Next::Step(step) = &branch.then {
+        index_name(builder, scope, &step.name, step.span);
     }
+}
 
-    fn dotted(&mut self, scope: ScopeId, dotted: &'a Dotted) {
-        let Some((first, rest)) = dotted.parts.split_first() else {
-            return;
-        };
-        let mut def = self.name(scope, &first.name, first.span);
-        for part in rest {
-            let owner = def.and_then(|def| self.owner_behind(def));
-            def = self.member(owner, part);
-        }
-    }
-
-    fn clock(&mut self, scope: ScopeId, clock: &'a Clock) {
-        self.name(scope, &clock.flow.name, clock.flow.span);
-        if let Tick::Value(value) = &clock.tick {
-            self.name(scope, &value.name, value.span);
-        }
-    }
-
-    fn call(&mut self, scope: ScopeId, call: &'a Call) {
-        self.callee(scope, &call.callee);
-        match &call.activation {
-            Activation::Always => {}
-            Activation::Activate {
-                every,
-                restart,
-                default,
-            } => self.all(scope, [every].into_iter().chain(restart).chain(default)),
-            Activation::Restart { every } => self.expr(scope, every),
-        }
-        self.args(scope, &call.callee.name.name, &call.args);
-    }
-
-    fn callee(&mut self, scope: ScopeId, callee: &'a Callee) {
-        let def = self.name(scope, &callee.name.name, callee.name.span);
-        self.statics(scope, def, &callee.statics);
-    }
-
-    fn statics(&mut self, scope: ScopeId, of: Option<DefId>, statics: &'a [StaticArg]) {
-        for arg in statics {
-            if let (Some(name), Some(of)) = (&arg.name, of) {
-                self.parameter(of, name);
-            }
-            match &arg.value {
-                StaticValue::Expr(expr) => self.expr(scope, expr),
-                StaticValue::Type(ty) => self.ty(scope, ty),
-                StaticValue::Op(_) => {}
-                StaticValue::Callee(callee) => self.callee(scope, callee),
-            }
-        }
-    }
-
-    fn args(&mut self, scope: ScopeId, callee: &Name, args: &'a [Arg]) {
-        let def = self.index.lookup(scope, callee);
-        for arg in args {
-            if let (Some(name), Some(def)) = (&arg.name, def) {
-                self.parameter(def, name);
-            }
-            self.expr(scope, &arg.value);
-        }
-    }
-
-    /// Resolves the name of an argument.
-    fn parameter(&mut self, of: DefId, name: &Ident) {
-        let of = self.callable_behind(of);
-        let Some(scope) = self.index.inside(of).parameters else {
-            return;
-        };
-        let found = self.index.scope(scope).names.get(&name.name).copied();
-        if let Some(def) = found.filter(|id| self.index.def(*id).kind.is_parameter()) {
-            self.refer(name.span, def);
-        }
-    }
-
-    fn ty(&mut self, scope: ScopeId, ty: &'a Type) {
-        match &ty.kind {
-            TypeKind::Bool | TypeKind::Int | TypeKind::Real(_) | TypeKind::Broken => {}
-            TypeKind::Named(named) => self.named_type(scope, named),
-            TypeKind::Array(array) => {
-                self.ty(scope, &array.element);
-                self.expr(scope, &array.size);
-            }
-            TypeKind::Optional(inner) => self.ty(scope, inner),
-            TypeKind::Subrange(range) => self.all(scope, range.from.iter().chain(&range.to)),
-            // These occur only in type declarations, which are not on the worklist.
-            TypeKind::Enum(_) | TypeKind::Struct(_) | TypeKind::Data(_) => {}
-            TypeKind::Tuple(types) => types.iter().for_each(|ty| self.ty(scope, ty)),
-            TypeKind::Refined(refined) => {
-                self.ty(scope, &refined.base);
-                self.with_own_names(scope, [&refined.name.name].into_iter(), &refined.condition);
-            }
-        }
-    }
-
-    fn named_type(&mut self, scope: ScopeId, named: &'a NamedType) {
-        let def = self.name(scope, &named.name.name, named.name.span);
-        self.statics(scope, def, &named.statics);
-        let Some(frames) = &named.frames else {
-            return;
-        };
-        for frame in frames.of.iter().chain([&frames.in_frame]) {
-            self.dotted(scope, frame);
-        }
-    }
-
-    fn run(&mut self, scope: ScopeId, run: &'a Run) {
-        self.callee(scope, &run.callee);
-        self.args(scope, &run.callee.name.name, &run.args);
-        let command = self.index.lookup(scope, &run.callee.name.name);
-        for branch in &run.branches {
-            self.branch(scope, command, branch);
-        }
-    }
-
-    fn branch(&mut self, scope: ScopeId, command: Option<DefId>, branch: &'a Branch) {
-        for result in &branch.on {
-            if let OnResult::Named(name) = result {
-                self.member(command, name);
-            }
-        }
-        if let Next::Step(step) = &branch.then {
-            self.name(scope, &step.name, step.span);
-        }
-    }
-
-    /// Returns whether definitions of this kind have members of their own, rather than those of their shape.
-    pub(super) fn has_own_members(kind: DefKind) -> bool {
-        use DefKind::{Block, Command, State};
-        matches!(kind, Block | State | Command)
-    }
+/// Returns whether definitions of this kind have members of their own, rather than those of their shape.
+pub(super) fn has_own_members(kind: DefKind) -> bool {
+    use DefKind::{Block, Command, State};
+    matches!(kind, Block | State | Command)
 }

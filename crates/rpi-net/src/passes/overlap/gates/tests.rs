@@ -1,4 +1,4 @@
-//! What is known of primitives here against their code.
+//! Compares the models of primitives with their code.
 
 use super::super::concrete::{Concrete, Plain, Pool, Script};
 use super::*;
@@ -6,7 +6,7 @@ use crate::passes::proof::truth::Set;
 use crate::passes::proof::truth::bench::{Bench, all_inputs, node};
 use rpi_prims::PrimId;
 
-/// The primitives, each for Booleans where it exists for all types.
+/// Primitives with a model; of those that exist for all types, the Boolean one.
 const PRIMITIVES: [&str; 10] = [
     "Core::BooleanAnd",
     "Core::BooleanOr",
@@ -51,7 +51,7 @@ fn primitives_are_known_as_they_are() {
             }
             let mut bench = Bench::new(prim.prim(), &params);
             let all = all_inputs(prim.desc().inputs.len());
-            // Every pair of successive inputs, so that every state is met.
+            // Every pair of successive inputs, so that every state is reached.
             for inputs in all
                 .iter()
                 .flat_map(|a| all.iter().flat_map(move |b| [a, b]))

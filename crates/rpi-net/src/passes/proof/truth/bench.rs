@@ -1,4 +1,4 @@
-//! Primitives run by themselves, for tests that compare a table of theirs with the code.
+//! Test bench that runs one primitive, for tests that compare a truth table with the code.
 
 use super::*;
 use crate::net::{FragmentId, Input, Inputs, Origin};
@@ -6,7 +6,7 @@ use rpi_diag::Span;
 use rpi_image::{PrimDesc, State};
 use rpi_prims::{Clock, Cx, NoDevices, Prim, PrimId};
 
-/// A primitive with cells of its own: inputs, parameters, output, state, each with its presence behind it.
+/// Primitive with its own memory: inputs, parameters, output and state. The presence flag of a port follows its value.
 pub(crate) struct Bench {
     prim: &'static Prim,
     cells: Vec<u64>,
@@ -83,7 +83,7 @@ impl Bench {
     }
 }
 
-/// A node with one Boolean out-port.
+/// Creates a node with one Boolean out-port.
 pub(crate) fn node(prim: PrimId, params: Vec<Value>) -> Node {
     Node {
         name: String::new(),
@@ -99,7 +99,7 @@ pub(crate) fn node(prim: PrimId, params: Vec<Value>) -> Node {
     }
 }
 
-/// All ways to set so many inputs, each true, false or absent.
+/// All combinations of `count` inputs, each true, false or absent.
 pub(crate) fn all_inputs(count: usize) -> Vec<Vec<Set>> {
     let members = [Set::TRUE, Set::FALSE, Set::ABSENT];
     (0..count).fold(vec![Vec::new()], |done, _| {

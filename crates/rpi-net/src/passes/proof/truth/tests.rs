@@ -1,4 +1,4 @@
-//! The table of gates against the code of the primitives.
+//! Compares the truth tables of gates with the code of the primitives.
 
 use super::bench::{Bench, all_inputs, node};
 use super::*;
@@ -15,7 +15,7 @@ fn gates_give_what_the_code_gives() {
             let has_state = !matches!(prim.desc().state, State::None);
             let inputs = all_inputs(prim.desc().inputs.len());
             let mut bench = Bench::new(prim.prim(), &params);
-            // Every pair of successive inputs, so that every state is met.
+            // Every pair of successive inputs, so that every state is reached.
             for second in inputs
                 .iter()
                 .flat_map(|a| inputs.iter().flat_map(move |b| [a, b]))
