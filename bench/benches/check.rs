@@ -1,8 +1,8 @@
-//! What `rpic check` takes for programs of all shapes and sizes, and whether it grows as they do.
+//! Measures `rpic check` for programs of all shapes and sizes, and whether its time grows linearly.
 //!
-//! `cargo bench -p rpi-bench --bench check [-- NAME...]` prints one table; names choose rows by a part of theirs.
-//! `.. -- program SHAPE SIZE` prints a program that the rows `check, SHAPE` measure. Apart from the other bars, for it is
-//! measured with the allocator of `rpic`.
+//! `cargo bench -p rpi-bench --bench check [-- NAME...]` prints one table; each NAME selects the rows that contain it.
+//! `.. -- program SHAPE SIZE` prints the program that the row `check, SHAPE` measures. This benchmark is separate from
+//! the others because it uses the allocator of `rpic`.
 
 use mimalloc::MiMalloc;
 use rpi_bench::clock::{process_ns, timed};
@@ -15,25 +15,25 @@ use std::process::Command;
 #[global_allocator]
 static ALLOCATOR: MiMalloc = MiMalloc;
 
-/// The argument with which this program checks a file and tells what that took.
+/// Argument with which this program checks a file and prints the cost.
 const CHILD: &str = "check-child";
 
-/// The argument with which it prints a program: its shape and its size follow.
+/// Argument with which this program prints a generated program; its shape and its size follow.
 const PRINT: &str = "program";
 
-/// Sizes in equations; the bars are for the last one.
+/// Sizes in equations; the limits apply to the last one.
 const SIZES: [usize; 3] = [1_000, 10_000, 100_000];
 
-/// Milliseconds and megabytes for 100 000 equations.
+/// Limits for 100 000 equations: milliseconds and megabytes.
 const BARS: (f64, f64) = (1_000.0, 500.0);
 
-/// Milliseconds for a file of 300 lines with the modules that it uses.
+/// Limit in milliseconds for a file of 300 lines with the modules that it uses.
 const FILE_BAR: f64 = 5.0;
 
-/// How often the file is checked in one process.
+/// Number of times that the file is checked in one process.
 const WARM: usize = 50;
 
-/// What a process took.
+/// Cost of a process.
 #[derive(Clone, Copy)]
 struct Cost {
     ms: f64,
@@ -55,7 +55,7 @@ fn main() {
     done.unwrap_or_else(|error| eprintln!("{error}"));
 }
 
-/// Sound and faulty programs of three sizes, then a file as people write it.
+/// Measures sound and faulty programs of three sizes, then a hand-written file.
 fn measure(names: Vec<String>) -> Result<(), String> {
     let dir = tempfile::tempdir().map_err(|e| e.to_string())?;
     let mut table = Table::new(names);
@@ -100,7 +100,7 @@ fn grown(table: &mut Table, dir: &Path, shape: &Shape, name: &str) -> Result<(),
     Ok(())
 }
 
-/// The library's largest module, as a program of its own, checked again and again in one process.
+/// Measures the largest module of the library as a program of its own, checked repeatedly in one process.
 fn real(table: &mut Table, dir: &Path, name: &str) -> Result<(), String> {
     let text = rpi_bench::program::written();
     let path = dir.join("written.rpi");
@@ -118,7 +118,7 @@ fn real(table: &mut Table, dir: &Path, name: &str) -> Result<(), String> {
     Ok(())
 }
 
-/// The best of several processes that check a text.
+/// The best of three processes that check a text.
 fn best(path: &Path, text: &str) -> Result<Cost, String> {
     std::fs::write(path, text).map_err(|e| e.to_string())?;
     let mut best = child(path)?;
@@ -147,7 +147,8 @@ fn child(path: &Path) -> Result<Cost, String> {
     }
 }
 
-/// Does what `rpic check` does, and prints milliseconds of processor time, resident megabytes and findings.
+/// Does the same as `rpic check`, and prints milliseconds of processor time, resident megabytes and the number of
+/// diagnostics.
 fn check_and_tell(path: &Path) -> Result<(), String> {
     let input = rpi_driver::read(path).map_err(|e| e.to_string())?;
     let compiled = rpi_driver::compile(&input).map_err(|e| e.to_string())?;

@@ -1,4 +1,4 @@
-//! Building nets by hand, with the defaults that the declarations give.
+//! Builder for nets in tests, with the defaults from the declarations of primitives.
 
 use rpi_diag::Span;
 use rpi_image::desc::ShapeArgs;
@@ -9,10 +9,10 @@ use rpi_net::{
 };
 use rpi_prims::PrimId;
 
-/// A net under construction. Wrong names and types panic: this is for tests.
+/// A net under construction. Wrong names and types cause a panic, because the builder is for tests only.
 #[derive(Clone, Debug)]
 pub struct Build {
-    /// The net so far.
+    /// The net built so far.
     pub net: Net,
 }
 
@@ -25,19 +25,19 @@ impl Build {
         }
     }
 
-    /// Adds a node whose in-ports are wired in declaration order as far as `inputs` goes; the rest and the parameters
-    /// take their defaults. Gives its first out-port.
+    /// Adds a node. `inputs` are connected to its in-ports in declaration order; the other in-ports and the parameters
+    /// take their defaults. Returns its first out-port.
     ///
     /// # Panics
-    /// If there is no such primitive, or the inputs do not fit it.
+    /// If the primitive does not exist, or the inputs do not match it.
     pub fn add(&mut self, fragment: FragmentId, prim: &str, inputs: &[Input]) -> PortRef {
         self.add_with(fragment, prim, inputs, &[])
     }
 
-    /// [`Build::add`] with parameters by name.
+    /// Adds a node with parameters by name; see [`Build::add`].
     ///
     /// # Panics
-    /// If there is no such primitive, or inputs or parameters do not fit it.
+    /// If the primitive does not exist, or inputs or parameters do not match it.
     pub fn add_with(
         &mut self,
         fragment: FragmentId,
@@ -50,10 +50,10 @@ impl Build {
         self.node(fragment, &name, id, inputs, params)
     }
 
-    /// [`Build::add_with`] with a name.
+    /// Adds a node with a name; see [`Build::add_with`].
     ///
     /// # Panics
-    /// If inputs or parameters do not fit the primitive.
+    /// If inputs or parameters do not match the primitive.
     pub fn node(
         &mut self,
         fragment: FragmentId,
@@ -93,7 +93,8 @@ impl Build {
         PortRef { node, port: 0 }
     }
 
-    /// A delay that is present from its first cycle on, to be wired later; none if the registry has none for the type.
+    /// Adds a delay that is present from its first cycle on, to be connected later. `None` if no such delay exists for
+    /// the type.
     pub fn total_delay(&mut self, fragment: FragmentId, scalar: Scalar) -> Option<PortRef> {
         let fits = |p: &rpi_prims::Prim| {
             p.desc.role == Role::Delay
@@ -104,7 +105,7 @@ impl Build {
         Some(self.add(fragment, prim.desc.name, &[]))
     }
 
-    /// Type of what an input reads.
+    /// Type of an input; `None` if it is open or has no type.
     #[must_use]
     pub fn ty(&self, input: &Input) -> Option<Type> {
         match input {
@@ -114,7 +115,7 @@ impl Build {
         }
     }
 
-    /// A fragment inside of another, active when the flow says so.
+    /// Adds a fragment inside `parent` that is active while `when` is true.
     pub fn fragment(
         &mut self,
         parent: FragmentId,
@@ -138,12 +139,12 @@ impl Build {
         })
     }
 
-    /// Wires an in-port afterwards: feedback.
+    /// Connects an in-port later, for feedback.
     pub fn wire(&mut self, node: NodeId, port: usize, source: PortRef) {
         self.net.nodes[node.index()].inputs[port] = Input::Port(source);
     }
 
-    /// Publishes a real.
+    /// Exports a real under `key`.
     pub fn export(&mut self, key: &str, source: PortRef) {
         let params = [("Key", Value::Str(key.into()))];
         let inputs = [Input::Port(source)];
@@ -164,7 +165,7 @@ impl Build {
         }
     }
 
-    /// Ends the command when the flow says so.
+    /// Ends the command when `when` is true.
     pub fn terminate(&mut self, when: PortRef) {
         self.net.driver = Driver::Ports {
             terminate: Some(Input::Port(when)),
@@ -173,13 +174,13 @@ impl Build {
     }
 }
 
-/// A real constant.
+/// A real constant as an input.
 #[must_use]
 pub fn real(v: f64) -> Input {
     Input::constant(Value::real(v))
 }
 
-/// A Boolean constant.
+/// A Boolean constant as an input.
 #[must_use]
 pub fn boolean(v: bool) -> Input {
     Input::constant(Value::bool(v))

@@ -1,7 +1,7 @@
-//! Nets and programs to measure and to test with: a builder, generators of regular and irregular nets and of programs of
-//! all shapes, and a cell that has every device.
+//! Nets and programs for benchmarks and tests: a net builder, generators of regular and irregular nets and of programs
+//! of all shapes, and a device bank that has every device.
 //!
-//! Only tests and benches depend on this crate.
+//! Only tests and benchmarks depend on this crate.
 
 pub mod build;
 pub mod clock;

@@ -1,37 +1,38 @@
-//! A cell that has every device: sensors give numbers that differ from cycle to cycle, functions answer something that
-//! depends on their arguments, and all set-points are kept as one running hash.
+//! A device bank that has every device. Sensors return numbers that change from cycle to cycle, functions return a
+//! value that depends on their arguments, and all set-points are combined into one hash.
 
 use rpi_device::{DeviceBank, PortId, PortName, Refusal, ResolveError};
 use rpi_image::hash::Fnv;
 use rpi_image::{Scalar, Type};
 
-/// A port that somebody asked for.
+/// A resolved port.
 #[derive(Clone, Debug)]
 struct Port {
     name: String,
     ty: Type,
-    /// Hash of the name: what makes its numbers differ from those of others.
+    /// Hash of the name, so that different ports return different numbers.
     hash: u64,
 }
 
-/// Every device there could be. Two puppets of one age that are asked the same answer the same.
+/// A device bank with every possible device. It is deterministic: after the same calls, two banks return the same
+/// values.
 #[derive(Clone, Debug, Default)]
 pub struct Puppet {
     ports: Vec<Port>,
     cycle: u64,
     written: Fnv,
-    /// Number of set-points handed over.
+    /// Number of set-points written.
     pub writes: u64,
 }
 
 impl Puppet {
-    /// A cell of age 0.
+    /// A bank in cycle 0.
     #[must_use]
     pub fn new() -> Self {
         Puppet::default()
     }
 
-    /// The next cycle begins: sensors change.
+    /// Starts the next cycle, which changes all sensors.
     pub fn advance(&mut self) {
         self.cycle += 1;
     }
@@ -43,7 +44,7 @@ impl Puppet {
     }
 }
 
-/// Fills cells with something of the right type.
+/// Fills memory slots with a valid value of the type.
 fn fill(cells: &mut [u64], ty: Type, seed: u64) {
     let scalar = match ty {
         Type::One(s) | Type::Array(s, _) => s,
@@ -63,7 +64,7 @@ fn fill(cells: &mut [u64], ty: Type, seed: u64) {
     }
 }
 
-/// A wave between -1 and 1 in plain arithmetic, so that it is the same everywhere.
+/// A periodic wave between -1 and 1. It uses only basic arithmetic, so that it gives the same bits on every machine.
 fn wave(x: f64) -> f64 {
     let t = (x / 3.2).fract() * 2.0 - 1.0;
     4.0 * t * (1.0 - t.abs())

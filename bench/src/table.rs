@@ -1,8 +1,8 @@
-//! The table that a run prints.
+//! The result table of a benchmark run.
 
 use std::process::Command;
 
-/// Rows of figures against bars.
+/// Measured values and their limits.
 pub struct Table {
     only: Vec<String>,
     rows: Vec<Row>,
@@ -17,20 +17,20 @@ struct Row {
 }
 
 impl Table {
-    /// A table of the rows in whose names one of these words is; all if there are none.
+    /// A table of the rows whose names contain one of these words; of all rows without words.
     #[must_use]
     pub fn new(only: Vec<String>) -> Self {
         let rows = Vec::new();
         Table { only, rows }
     }
 
-    /// Whether a row is to be measured.
+    /// True if a row is to be measured.
     #[must_use]
     pub fn wants(&self, name: &str) -> bool {
         self.only.is_empty() || self.only.iter().any(|o| name.contains(o.as_str()))
     }
 
-    /// Adds a row: a figure, and what it must not exceed.
+    /// Adds a row: a measured value and its limit.
     pub fn row(&mut self, name: &str, value: f64, bar: f64, unit: &'static str, note: &str) {
         eprintln!("{name}: {value:.2} {unit} ({note})");
         self.rows.push(Row {
@@ -42,7 +42,7 @@ impl Table {
         });
     }
 
-    /// Prints all rows under the machine that they were measured on.
+    /// Prints all rows, after a line that describes the machine.
     pub fn print(&self) {
         println!("{}", machine());
         println!("Times are processor time of the measuring thread, the best of several tries.");
@@ -61,7 +61,7 @@ impl Table {
     }
 }
 
-/// Processor, its number of cores, system and compiler.
+/// Processor, number of cores, operating system and compiler.
 fn machine() -> String {
     let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let model = info.lines().find(|l| l.starts_with("model name"));

@@ -1,4 +1,4 @@
-//! Two images of one net, looked at and rearranged, must do the same.
+//! Comparison of two images of the same net, observed and optimised, which must behave alike.
 
 use crate::puppet::Puppet;
 use rpi_core::{Machine, Moment, Verdict};
@@ -8,10 +8,10 @@ use rpi_lower::{LowerOptions, Plan, lower};
 use rpi_net::Net;
 use rpi_net::passes::analyse;
 
-/// Runs the observed and the rearranged form of a net side by side and compares all that leaves them.
+/// Runs the observed and the optimised image of a net side by side and compares all outputs.
 ///
 /// # Errors
-/// Says what differs first, and when; or what kept the net from running.
+/// Returns the first difference with its cycle, or the reason why the net could not be run.
 pub fn compare(net: &Net, cycles: u64, period_ns: u64) -> Result<(), String> {
     let mut plain = Runner::new(net, &LowerOptions::observed(period_ns))?;
     let mut fast = Runner::new(net, &LowerOptions::running(period_ns))?;
@@ -26,38 +26,38 @@ pub fn compare(net: &Net, cycles: u64, period_ns: u64) -> Result<(), String> {
     Ok(())
 }
 
-/// Runs the passes over a net and lowers it.
+/// Analyses and lowers a net.
 ///
 /// # Errors
-/// What kept it from it.
+/// Returns the reason why the net could not be lowered.
 pub fn image(net: &Net, options: &LowerOptions<'_>) -> Result<Image, String> {
     let analysis = analyse(net.clone(), options.may_be_absent).map_err(|v| v.to_string())?;
-    let plan = Plan::of(&analysis).ok_or("it depends on itself")?;
+    let plan = Plan::of(&analysis).ok_or("dependency cycle")?;
     lower(&analysis.net, &plan, options)
 }
 
-/// A machine in a cell of its own.
+/// A machine with a device bank of its own.
 pub struct Runner {
     machine: Machine,
     bank: Puppet,
 }
 
-/// What leaves a command in a cycle.
+/// Outputs of a command in one cycle.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Left {
-    /// How it ends with this cycle.
+    /// How the command ends with this cycle.
     pub verdict: Option<Verdict>,
-    /// Exports by key, absent ones too.
+    /// Exports by key, including absent ones.
     pub exports: Vec<(String, Option<Vec<u64>>)>,
-    /// All set-points so far.
+    /// Hash of all set-points so far.
     pub written: u64,
 }
 
 impl Runner {
-    /// Lowers, verifies and loads.
+    /// Lowers, verifies and loads a net.
     ///
     /// # Errors
-    /// What kept it from it.
+    /// Returns the reason why the net could not be loaded.
     pub fn new(net: &Net, options: &LowerOptions<'_>) -> Result<Runner, String> {
         let image = image(net, options)?;
         let mut bank = Puppet::new();
@@ -69,7 +69,7 @@ impl Runner {
         Ok(Runner { machine, bank })
     }
 
-    /// Runs one cycle. Now and then it is asked to cancel or told of a successor, by the cycle's number.
+    /// Runs one cycle. `cancel`, `takeover` and `predecessor` vary with the number of the cycle.
     pub fn cycle(&mut self, cycle: u64) -> Left {
         let since = cycle * self.machine.image().period_ns;
         let moment = Moment {
@@ -94,7 +94,7 @@ impl Runner {
         }
     }
 
-    /// The machine, to look at.
+    /// The machine under test.
     #[must_use]
     pub fn machine(&self) -> &Machine {
         &self.machine
@@ -102,10 +102,10 @@ impl Runner {
 }
 
 impl Left {
-    /// What differs first.
+    /// Compares the outputs of two machines.
     ///
     /// # Errors
-    /// In words.
+    /// Returns a description of the first difference.
     pub fn compare(&self, other: &Left) -> Result<(), String> {
         let ends = |l: &Left| {
             l.verdict.map(|v| match v {

@@ -1,7 +1,7 @@
-//! The yardstick: the net as C, compiled by gcc, run in batches beside ours.
+//! The reference for the interpreter: the net as C, compiled by gcc and measured in batches.
 //!
-//! Both sides measure the time that their own thread runs, batch by batch in turn, so that whatever else the machine
-//! does meets both; of each the best batch counts.
+//! Both sides measure the processor time of their own thread. Batches alternate, so that disturbances affect both, and
+//! the best batch of each counts.
 
 use crate::clock::timed;
 use crate::twin::image;
@@ -14,7 +14,7 @@ use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
-/// Cycles before the first batch.
+/// Cycles before the first measured batch.
 const WARM: u64 = 20;
 
 /// The input of a cycle, the same in both languages.
@@ -22,17 +22,17 @@ fn x(cycle: u64) -> f64 {
     (cycle % 200) as f64 * 0.01 - 1.0
 }
 
-/// A net with the input `x` and the export `y` in the interpreter.
+/// A net with the input `x` and the export `y`, in the interpreter.
 pub struct Ours {
     machine: Machine,
     cycle: u64,
 }
 
 impl Ours {
-    /// Lowers, loads and warms up.
+    /// Lowers and loads a net and runs the warm-up cycles.
     ///
     /// # Errors
-    /// What kept it from running.
+    /// Returns the reason why the net cannot run.
     pub fn new(net: &Net) -> Result<Ours, String> {
         let image = image(net, &LowerOptions::running(1_000_000))?;
         let loaded = Machine::load(image, &mut NoDevices);
@@ -42,7 +42,7 @@ impl Ours {
         Ok(ours)
     }
 
-    /// Runs so many cycles: nanoseconds for each.
+    /// Runs a batch of cycles. Returns nanoseconds per cycle.
     pub fn batch(&mut self, cycles: u64) -> f64 {
         let ((), ns) = timed(|| (0..cycles).for_each(|_| self.step()));
         ns / cycles as f64
@@ -58,7 +58,7 @@ impl Ours {
         self.cycle += 1;
     }
 
-    /// Cycles so far, and the bits of `y` in the last of them.
+    /// Number of cycles so far, and the bits of `y` in the last one.
     #[must_use]
     pub fn last(&self) -> (u64, u64) {
         let exports = &self.machine.image().exports;
@@ -67,7 +67,7 @@ impl Ours {
     }
 }
 
-/// The same as a program of gcc's, which runs a batch whenever it is asked for one.
+/// The same net compiled by gcc, in a process that runs batches on request.
 pub struct Gcc {
     child: Child,
     ask: Option<ChildStdin>,
@@ -76,10 +76,10 @@ pub struct Gcc {
 }
 
 impl Gcc {
-    /// Compiles a net in this directory, starts it and warms up.
+    /// Compiles a net in the directory `dir`, starts the process and runs the warm-up cycles.
     ///
     /// # Errors
-    /// What kept it from it; a missing compiler, too.
+    /// Returns the reason for a failure, including a missing compiler.
     pub fn new(net: &Net, dir: &Path) -> Result<Gcc, String> {
         let program = compile(net, dir)?;
         let child = Command::new(program)
@@ -98,10 +98,10 @@ impl Gcc {
         Ok(gcc)
     }
 
-    /// Runs so many cycles: nanoseconds for each.
+    /// Runs a batch of cycles. Returns nanoseconds per cycle.
     ///
     /// # Errors
-    /// If the program does not answer.
+    /// The process does not answer.
     pub fn batch(&mut self, cycles: u64) -> Result<f64, String> {
         let ask = self.ask.as_mut().ok_or("no pipe")?;
         writeln!(ask, "{cycles}").map_err(|e| e.to_string())?;
@@ -112,13 +112,13 @@ impl Gcc {
         let ns = words.next().and_then(|w| w.parse().ok());
         let y = words.next().and_then(|w| u64::from_str_radix(w, 16).ok());
         let (Some(ns), Some(y)) = (ns, y) else {
-            return Err(format!("what it printed: {line}"));
+            return Err(format!("unexpected output: {line}"));
         };
         self.last = (self.last.0 + cycles, y);
         Ok(ns)
     }
 
-    /// Cycles so far, and the bits of `y` in the last of them.
+    /// Number of cycles so far, and the bits of `y` in the last one.
     #[must_use]
     pub fn last(&self) -> (u64, u64) {
         self.last
@@ -127,27 +127,27 @@ impl Gcc {
 
 impl Drop for Gcc {
     fn drop(&mut self) {
-        // Without a question to come the program ends by itself.
+        // Closing the pipe ends the process.
         drop(self.ask.take());
         let _ = self.child.wait();
     }
 }
 
-/// The C text of a net.
+/// The net as C text.
 ///
 /// # Errors
-/// What has no form in C.
+/// Returns the first operation without a C form, or the reason why the net has no schedule.
 pub fn c_text(net: &Net) -> Result<String, String> {
     let options = LowerOptions::running(1_000_000);
     let analysis = analyse(net.clone(), |_| false).map_err(|v| v.to_string())?;
-    let plan = Plan::of(&analysis).ok_or("it depends on itself")?;
+    let plan = Plan::of(&analysis).ok_or("dependency cycle")?;
     emit_c(&analysis.net, &plan, &options).map_err(|f| {
         f.first()
             .map_or(String::new(), |finding| finding.message.clone())
     })
 }
 
-/// Compiles a net with gcc; the path of the program.
+/// Compiles a net with gcc. Returns the path of the program.
 fn compile(net: &Net, dir: &Path) -> Result<std::path::PathBuf, String> {
     let (source, binary) = (dir.join("net.c"), dir.join("net"));
     std::fs::write(&source, c_text(net)? + DRIVER).map_err(|e| e.to_string())?;
@@ -171,7 +171,8 @@ fn compile(net: &Net, dir: &Path) -> Result<std::path::PathBuf, String> {
     }
 }
 
-/// Reads numbers of cycles, runs so many, and prints nanoseconds for each and the bits of `y`.
+/// Main function of the compiled program: reads numbers of cycles, runs that many, and prints nanoseconds per cycle and
+/// the bits of `y`.
 const DRIVER: &str = r#"
 #include <stdio.h>
 #include <string.h>

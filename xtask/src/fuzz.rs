@@ -1,13 +1,14 @@
 //! `cargo xtask fuzz ENTRY --seconds N`: builds and runs one fuzz target.
 //!
-//! libFuzzer counts edges that the compiler instruments; the flags below ask LLVM for that, which any tool chain can,
-//! so that neither a nightly one nor cargo-fuzz is needed (the targets work with both). Budgets of time and memory are
-//! the entries' own (`crates/rpi-fuzz/src/budget.rs`): they count what one input costs, whatever else the machine does.
+//! libFuzzer needs coverage counters from the compiler. The flags below request them from LLVM on any toolchain, so
+//! that neither a nightly toolchain nor cargo-fuzz is needed (the targets work with both). The limits of time and
+//! memory per input are defined by the entries (`crates/rpi-fuzz/src/budget.rs`), which measure the input alone and not
+//! other load on the machine.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// What makes LLVM count edges and comparisons, as cargo-fuzz does it.
+/// Flags that make LLVM count edges and comparisons, the same as in cargo-fuzz.
 const INSTRUMENTED: &[&str] = &[
     "-Cpasses=sancov-module",
     "-Cllvm-args=-sanitizer-coverage-level=4",
@@ -17,8 +18,8 @@ const INSTRUMENTED: &[&str] = &[
     "--cfg=fuzzing",
 ];
 
-/// libFuzzer's own limits lie far above the entries' budgets: they are for what does not come back at all, and for its
-/// corpus. Inputs larger than this teach nothing that smaller ones do not. What takes a second is kept as a slow unit.
+/// Limits of libFuzzer, far above those of the entries: for hanging inputs and for the corpus. Longer inputs find
+/// nothing that shorter ones do not. Inputs that take a second are kept as slow units.
 const LIMITS: &[&str] = &[
     "-timeout=60",
     "-report_slow_units=1",
@@ -26,7 +27,7 @@ const LIMITS: &[&str] = &[
     "-max_len=20000",
 ];
 
-/// An hour.
+/// Default duration: one hour.
 const SECONDS: &str = "3600";
 
 /// Builds a target and runs it.
@@ -52,7 +53,7 @@ pub(crate) fn fuzz(args: &[String]) -> Result<(), String> {
         .env("RPI_FUZZ_LAST", &last)
         .arg(corpus);
     let what = format!(
-        "the fuzzer found something; what it ran last is kept in {}",
+        "the fuzzer found a failure; the last input is kept in {}",
         last.display()
     );
     done(&mut run, &what)?;
@@ -60,7 +61,8 @@ pub(crate) fn fuzz(args: &[String]) -> Result<(), String> {
     again(entry, &found)
 }
 
-/// Runs what was slow again as users run it, without counters; keeps what is slow there, too.
+/// Runs slow inputs again in a release build without counters. Fails for inputs that are slow there too, and deletes
+/// the others.
 fn again(entry: &str, found: &Path) -> Result<(), String> {
     let files = std::fs::read_dir(found).map_err(|error| error.to_string())?;
     let is_slow = |path: &PathBuf| {
@@ -71,13 +73,13 @@ fn again(entry: &str, found: &Path) -> Result<(), String> {
     for path in paths.filter(is_slow) {
         let mut run = tool("rpi-fuzz-again", &["--release"]);
         run.arg(entry).arg(&path);
-        done(&mut run, "an input takes longer than it may")?;
+        done(&mut run, "an input exceeds the time limit")?;
         std::fs::remove_file(&path).map_err(|error| error.to_string())?;
     }
     Ok(())
 }
 
-/// A tool of the fuzzers, to be run.
+/// A command that runs one of the tools of `rpi-fuzz`.
 fn tool(name: &str, flags: &[&str]) -> Command {
     let mut run = Command::new(env!("CARGO"));
     run.current_dir(root())
@@ -95,10 +97,10 @@ fn root() -> PathBuf {
 fn seeds(entry: &str, corpus: &Path, words: &Path) -> Result<(), String> {
     let mut write = tool("rpi-fuzz-seeds", &[]);
     write.arg(entry).args([corpus, words]);
-    done(&mut write, "no seeds")
+    done(&mut write, "cannot write the seeds")
 }
 
-/// Builds a target and tells where it lies. Flags go with `--target`, so that they do not reach build scripts.
+/// Builds a target and returns its path. `--target` keeps the flags from applying to build scripts.
 fn build(folder: &Path, entry: &str) -> Result<PathBuf, String> {
     let host = host()?;
     let mut build = Command::new(env!("CARGO"));
@@ -107,18 +109,18 @@ fn build(folder: &Path, entry: &str) -> Result<PathBuf, String> {
         .env("CARGO_ENCODED_RUSTFLAGS", INSTRUMENTED.join("\u{1f}"))
         .args(["build", "--quiet", "--release", "--bin", entry])
         .args(["--target", &host, "--target-dir", "target"]);
-    done(&mut build, "the target does not build")?;
+    done(&mut build, "cannot build the target")?;
     Ok(folder.join("target").join(host).join("release").join(entry))
 }
 
-/// The machine that this was built on, as the compiler names it.
+/// Target triple of the host.
 fn host() -> Result<String, String> {
     let told = Command::new("rustc").arg("-vV").output();
     let told = told.map_err(|error| format!("rustc: {error}"))?.stdout;
     let told = String::from_utf8_lossy(&told).into_owned();
     let host = told.lines().find_map(|line| line.strip_prefix("host: "));
     host.map(str::to_owned)
-        .ok_or("rustc names no host".to_owned())
+        .ok_or("rustc does not report a host".to_owned())
 }
 
 fn done(command: &mut Command, otherwise: &str) -> Result<(), String> {

@@ -1,11 +1,11 @@
-//! Chores of the repository: `cargo xtask CHORE`.
+//! Maintenance tasks of the repository: `cargo xtask TASK`.
 
 mod fuzz;
 mod lustre;
 
 use std::process::ExitCode;
 
-/// The chores: name, what it does, and how.
+/// A task: name, description, function.
 type Chore = (
     &'static str,
     &'static str,
@@ -15,7 +15,7 @@ type Chore = (
 const CHORES: &[Chore] = &[
     (
         "gen",
-        "write the files that are made from the project's tables",
+        "write the files generated from the project's tables",
         generate,
     ),
     (
@@ -25,35 +25,35 @@ const CHORES: &[Chore] = &[
     ),
     (
         "lustre-corpus",
-        "run Lustre programs written elsewhere: --programs DIR, with --traces FILE.json, --reject, --kinds FILE.json or none",
+        "run external Lustre programs: --programs DIR, with --traces FILE.json, --reject, --kinds FILE.json or none",
         lustre::corpus,
     ),
     (
         "soak",
-        "a million random steps of the control core beside its model, as many takeovers of two arms, a day of blending, random programs, an hour of bad clients",
+        "run long tests: random programs, a million steps of the core and its model, a million takeovers of two arms, an hour of misbehaving clients, a day of blending",
         soak,
     ),
 ];
 
-/// Histories of up to 120 steps: together more than a million.
+/// Number of histories of up to 120 steps; together more than a million steps.
 const HISTORIES: &str = "20000";
 
-/// Random programs for each property of the language.
+/// Number of random programs for each property of the language.
 const PROGRAMS: &str = "10000";
 
 const TAKEOVERS: &str = "1000000";
 
-/// Seconds.
+/// One hour, in seconds.
 const HOUR: &str = "3600";
 
-/// Of the cell's time.
+/// One day of the cell's simulated time.
 const DAY: &str = "86400s";
 
 fn main() -> ExitCode {
     let mut args = std::env::args().skip(1);
     let wanted = args.next().unwrap_or_default();
     let Some((_, _, run)) = CHORES.iter().find(|(name, _, _)| *name == wanted) else {
-        eprintln!("usage: cargo xtask CHORE");
+        eprintln!("usage: cargo xtask TASK");
         for (name, what, _) in CHORES {
             eprintln!("  {name:<14} {what}");
         }
@@ -80,8 +80,8 @@ fn generate(_: &[String]) -> Result<(), String> {
     Ok(())
 }
 
-/// Long runs of tests that are short in the suite: the core beside its model, two arms through a million takeovers, an
-/// hour of bad clients, and a day of blending.
+/// Runs tests with much larger parameters than in the test suite: random programs, the core and its model, a million
+/// takeovers of two arms, an hour of misbehaving clients, and a day of blending.
 fn soak(_: &[String]) -> Result<(), String> {
     cargo_test(
         &["-p", "rpi-reference", "--test", "properties"],
@@ -109,9 +109,6 @@ fn cargo_test(which: &[&str], (name, value): (&str, &str)) -> Result<(), String>
         .map_err(|error| format!("cargo: {error}"))?;
     match status.success() {
         true => Ok(()),
-        false => Err(format!(
-            "{} with {name}={value} has failed",
-            which.join(" ")
-        )),
+        false => Err(format!("{} with {name}={value} failed", which.join(" "))),
     }
 }

@@ -1,4 +1,4 @@
-//! The authors' nets: what a cycle takes.
+//! Time per cycle of nets recorded from the reference system.
 
 use crate::MS;
 use rpi_bench::clock::timed;
@@ -9,7 +9,7 @@ use rpi_diag::FileId;
 use rpi_lower::LowerOptions;
 use rpi_net::{Net, rpinet};
 
-/// The authors' nets, per cycle.
+/// Measures the nets of the reference system, per cycle.
 pub(crate) fn rows(table: &mut Table) {
     let nets = [
         ("authors' LIN net", "nets/traces/lin-3.rpinet.gz", 2.0),
@@ -38,7 +38,7 @@ fn recorded(path: &str) -> Option<Net> {
     rpinet::read("net", FileId(0), &text).0
 }
 
-/// Microseconds per cycle over the first cycles of the command, again and again from its start: that is when it moves.
+/// Microseconds per cycle over the first cycles of the command, restarted repeatedly: in these cycles the robot moves.
 fn cycle_us(net: &Net) -> f64 {
     let image = twin::image(net, &LowerOptions::running(25 * MS)).expect("recorded nets are right");
     let mut bank = Puppet::new();
@@ -54,7 +54,7 @@ fn cycle_us(net: &Net) -> f64 {
     best
 }
 
-/// Cycles that are measured.
+/// Number of cycles measured after each start.
 const MOVING: u32 = 100;
 
 fn cycle(machine: &mut Machine, bank: &mut Puppet) {
@@ -65,7 +65,7 @@ fn cycle(machine: &mut Machine, bank: &mut Puppet) {
     machine.hand_over(bank);
 }
 
-/// How many of a net's primitives are in active fragments, on average over the measured cycles.
+/// Average number of a net's primitives that are in active fragments, over the measured cycles.
 fn active(net: &Net) -> usize {
     let image =
         twin::image(net, &LowerOptions::observed(25 * MS)).expect("recorded nets are right");

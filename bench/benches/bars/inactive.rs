@@ -1,4 +1,4 @@
-//! Inactive fragments: what each costs, whatever is inside.
+//! Cost of inactive fragments, which must not depend on their contents.
 
 use crate::{MS, scratch};
 use rpi_bench::table::Table;
@@ -11,13 +11,14 @@ use rpi_net::{FragmentId, Input, Net, Restart};
 use std::path::Path;
 use std::process::Command;
 
-/// The argument with which this program runs cycles for callgrind.
+/// Argument with which this program runs cycles under callgrind.
 pub(crate) const CHILD: &str = "cycles-child";
 
-/// How many fragments sleep.
+/// Number of inactive fragments.
 const MANY: usize = 64;
 
-/// Many fragments that are never active, with so many primitives inside of each; or only what would activate them.
+/// A net with many fragments that are never active, each with `size` primitives; or only with their activation
+/// conditions.
 fn sleeping(fragments: bool, size: usize) -> Net {
     let mut b = Build::new("sleeping");
     let root = FragmentId::ROOT;
@@ -52,7 +53,7 @@ fn sleeping(fragments: bool, size: usize) -> Net {
     b.net
 }
 
-/// What an inactive fragment costs: time, steps, and instructions where valgrind is there.
+/// Measures an inactive fragment: time, steps, and instructions if valgrind is available.
 pub(crate) fn rows(table: &mut Table) {
     for size in [1, 100, 10_000] {
         let row = format!("inactive fragment, {size} inside");
@@ -71,7 +72,7 @@ pub(crate) fn rows(table: &mut Table) {
     }
 }
 
-/// Nanoseconds per cycle that one net takes more than another; batches in turn, of each the best.
+/// Difference of two nets in nanoseconds per cycle. Batches alternate, and the best of each net counts.
 fn difference(with: &Net, without: &Net) -> f64 {
     let mut nets = [with, without].map(|n| Ours::new(n).expect("there are no devices"));
     let mut best = [f64::MAX; 2];
@@ -96,8 +97,8 @@ fn steps_per_cycle(net: &Net) -> usize {
     steps
 }
 
-/// Instructions of such a cycle, as callgrind counts them: two runs of this program that differ in the number of cycles
-/// only. Both read the image from a file, so that nothing else differs.
+/// Instructions per cycle, counted by callgrind: two runs of this program that differ only in the number of cycles.
+/// Both read the image from a file, so that nothing else differs.
 fn instructions(net: &Net) -> Option<f64> {
     let image = twin::image(net, &LowerOptions::running(MS))
         .ok()?
@@ -126,7 +127,7 @@ fn callgrind(path: &Path, cycles: u32) -> Option<f64> {
     line.split_whitespace().last()?.parse().ok()
 }
 
-/// Runs an image from a file, nothing else.
+/// Runs an image from a file, and nothing else.
 pub(crate) fn run_cycles(path: &Path, cycles: usize) {
     let bytes = std::fs::read(path).unwrap_or_default();
     let image = rpi_image::Image::from_bytes(&bytes).expect("it was written by us");

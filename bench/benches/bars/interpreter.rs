@@ -1,4 +1,4 @@
-//! Generated nets in the interpreter beside gcc -O2 of the same net as C.
+//! Generated nets in the interpreter, compared with the same nets as C compiled by gcc -O2.
 
 use rpi_bench::generate;
 use rpi_bench::table::Table;
@@ -6,12 +6,12 @@ use rpi_bench::yardstick::{Gcc, Ours};
 use rpi_net::Net;
 use tempfile::TempDir;
 
-/// A way to make nets: its name, the nets by size, and how many times gcc's time is allowed.
+/// A family of nets: its name, its generator by size, and the allowed time as a multiple of gcc's.
 type Kind = (&'static str, fn(usize) -> Net, f64);
 
 const KINDS: [Kind; 3] = [
     ("regular, filter chain", |n| generate::biquad(n / 11), 5.0),
-    // Control loops that know nothing of each other: gcc computes several at once, and so has a bar of its own.
+    // Control loops are independent, so gcc vectorises them; therefore they have a limit of their own.
     (
         "equal instances, control loops",
         |n| generate::pid(n / 26),
@@ -22,10 +22,11 @@ const KINDS: [Kind; 3] = [
 
 const SIZES: [usize; 3] = [1_000, 10_000, 100_000];
 
-/// gcc does not get through a function of more equations than this; beside larger nets the largest one below runs.
+/// Largest number of equations that gcc can compile in one function. Larger nets are compared with the largest net
+/// below this size.
 const MOST_FOR_GCC: usize = 50_000;
 
-/// Batches of which the best counts.
+/// Number of batches, of which the best counts.
 const BATCHES: usize = 20;
 
 pub(crate) fn rows(table: &mut Table) {
@@ -48,17 +49,17 @@ pub(crate) fn rows(table: &mut Table) {
     }
 }
 
-/// Whether a net is measured for which gcc's figure is that of a smaller one.
+/// True if a net is measured that is compared with a smaller net compiled by gcc.
 fn gcc_is_needed(table: &Table, name: &str) -> bool {
     let mut large = SIZES.iter().filter(|s| **s >= MOST_FOR_GCC);
     large.any(|size| table.wants(&format!("interpreter, {name}, {size}")))
 }
 
-/// gcc's program for a net.
+/// A net as a program compiled by gcc.
 struct Yardstick {
     gcc: Gcc,
     size: usize,
-    /// The program lies in it.
+    /// Directory of the program; deleted on drop.
     _dir: TempDir,
 }
 
@@ -79,7 +80,7 @@ impl Yardstick {
 fn measure(table: &mut Table, row: &str, bar: f64, net: &Net, gcc: Option<&mut Yardstick>) {
     let size = net.nodes.len();
     let Some(gcc) = gcc else {
-        eprintln!("{row}: left out, there is no yardstick");
+        eprintln!("{row}: skipped, no C compiler");
         return;
     };
     let mut ours = Ours::new(net).expect("generated nets run");
@@ -99,7 +100,7 @@ fn measure(table: &mut Table, row: &str, bar: f64, net: &Net, gcc: Option<&mut Y
     table.row(row, ours_ns / gcc_ns, bar, "x", &note);
 }
 
-/// Cycles of one batch: some milliseconds.
+/// Cycles of one batch, which takes some milliseconds.
 fn cycles(size: usize) -> u64 {
     3_000_000 / size as u64 + 5
 }

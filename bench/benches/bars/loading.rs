@@ -1,4 +1,4 @@
-//! From a text to a command that can run.
+//! Time from a net's text to a runnable command.
 
 use crate::MS;
 use rpi_bench::clock::timed;
@@ -9,7 +9,7 @@ use rpi_diag::FileId;
 use rpi_lower::LowerOptions;
 use rpi_net::rpinet;
 
-/// From text to a command that can run.
+/// Measures the time from text to a runnable command.
 pub(crate) fn rows(table: &mut Table) {
     for (size, bar) in [(1_000, 2.0), (10_000, 15.0), (100_000, 200.0)] {
         let row = format!("text to runnable, {size}");

@@ -1,6 +1,6 @@
-//! The bars: what the interpreter, the loader and the memory do, beside the yardsticks, in one run.
+//! Benchmarks with limits: interpreter, loading, memory and takeovers, compared with reference values in one run.
 //!
-//! `cargo bench -p rpi-bench --bench bars [-- NAME...]` prints one table; names choose rows by a part of theirs.
+//! `cargo bench -p rpi-bench --bench bars [-- NAME...]` prints one table; each NAME selects the rows that contain it.
 
 mod authors;
 mod inactive;
@@ -44,13 +44,13 @@ fn main() {
     table.print();
 }
 
-/// Does something in a directory of its own.
+/// Runs a function with a temporary directory.
 fn scratch<T, E>(with: impl FnOnce(&Path) -> Result<T, E>) -> Option<T> {
     let dir = tempfile::tempdir().ok()?;
     with(dir.path()).ok()
 }
 
-/// A text of the data beside the project, if they are there.
+/// Reads a text from the data beside the project; `None` if the data are not available.
 fn text(path: &str) -> Option<String> {
     rpi_testkit::read_maybe_gz(rpi_testkit::shared_path(path)?).ok()
 }

@@ -1,4 +1,4 @@
-//! Bytes per primitive, running and while loading.
+//! Memory per primitive, while running and while loading.
 
 use crate::{MS, scratch};
 use rpi_bench::table::Table;
@@ -11,10 +11,10 @@ use rpi_testkit::resident;
 use std::path::Path;
 use std::process::Command;
 
-/// The argument with which this program loads a net and tells how much memory that took.
+/// Argument with which this program loads a net and prints the memory used.
 pub(crate) const CHILD: &str = "load-child";
 
-/// Bytes per primitive, running and at most while loading.
+/// Measures bytes per primitive while running, and at most while loading.
 pub(crate) fn rows(table: &mut Table) {
     let size = 100_000;
     let net = generate::mixed(size, 1);
@@ -22,7 +22,7 @@ pub(crate) fn rows(table: &mut Table) {
         let image = twin::image(&net, &LowerOptions::running(MS)).expect("it can be lowered");
         let machine = Machine::load(image, &mut NoDevices).expect("there are no devices");
         let image = machine.image();
-        // Names and places are for messages: a cycle does not touch them.
+        // Names and source locations are for messages and are not touched by a cycle, so they do not count.
         let touched = machine.memory()
             + size_of_val(&*image.code)
             + size_of_val(&*image.steps)
@@ -48,7 +48,7 @@ pub(crate) fn rows(table: &mut Table) {
     }
 }
 
-/// Highest resident memory in kB of a process that loads a net of this size from its text and does nothing else.
+/// Peak resident memory in kB of a process that loads a net of this size from its text and does nothing else.
 fn peak(dir: &Path, size: usize) -> Result<f64, String> {
     let path = dir.join("net.rpinet");
     let text = rpinet::write(&generate::mixed(size, 1));
@@ -60,7 +60,7 @@ fn peak(dir: &Path, size: usize) -> Result<f64, String> {
     text.trim().parse().map_err(|_| text.into_owned())
 }
 
-/// Loads a text and prints the highest resident memory in kB.
+/// Loads a text and prints the peak resident memory in kB.
 pub(crate) fn load_and_tell(path: &Path) {
     let text = std::fs::read_to_string(path).unwrap_or_default();
     crate::loading::load(&text);

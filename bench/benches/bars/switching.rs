@@ -1,4 +1,4 @@
-//! What a switch from one command to the next costs on the cycle's thread, whatever the size of the commands.
+//! Cost of a takeover on the thread of the cycle, which must not depend on the size of the commands.
 
 use crate::{MS, scratch};
 use rpi_bench::table::Table;
@@ -11,21 +11,22 @@ use std::path::Path;
 use std::process::Command as Process;
 use std::sync::Arc;
 
-/// The argument with which this program switches for callgrind.
+/// Argument with which this program runs takeovers under callgrind.
 pub(crate) const CHILD: &str = "switch-child";
 
-/// Places for commands, as a control core has them unless said otherwise.
+/// Capacity for commands; the default of a control core.
 const PLACES: usize = 64;
-/// Axes that change hands.
+/// Number of axes that are taken over.
 const AXES: i64 = 7;
-/// Ticks around each switch; it lies in the middle.
+/// Ticks per round; the takeover is in the middle.
 const TICKS: u64 = 8;
-/// The function whose instructions are counted, and all that it calls.
+/// The function whose instructions are counted, including its callees.
 const COUNTED: &str = "*counted_tick*";
-/// The input that says after how many cycles a command ends.
+/// The input with the number of cycles after which a command ends.
 const LIMIT: &str = "limit";
 
-/// A command of about so many primitives, half of them with a state, that moves seven axes and ends after as many cycles as its input says.
+/// A command of about `size` primitives, half of them with state, that moves seven axes and ends after the number of
+/// cycles given by its input.
 fn net(size: usize) -> Net {
     let root = FragmentId::ROOT;
     let mut b = Build::new("Chain");
@@ -64,7 +65,7 @@ fn net(size: usize) -> Net {
     b.net
 }
 
-/// Instructions of a switch: of ticks with one, less those of as many ticks without.
+/// Measures the instructions of a takeover: those of ticks with one, minus those of as many ticks without.
 pub(crate) fn rows(table: &mut Table) {
     for size in [10, 100, 1000, 10_000] {
         let row = format!("switch, commands of {size}");
@@ -82,7 +83,7 @@ pub(crate) fn rows(table: &mut Table) {
     }
 }
 
-/// Of a switch, and of a tick without one.
+/// Instructions of a takeover, and of a tick without one.
 fn instructions(image: &Image) -> Option<(f64, f64)> {
     let count = |rounds: u64, switches: bool| {
         scratch(|dir| {
@@ -113,14 +114,14 @@ fn callgrind(path: &Path, rounds: u64, switches: bool) -> Option<f64> {
     line.split_whitespace().last()?.parse().ok()
 }
 
-/// Runs rounds of eight ticks, with a switch in the middle of each or none, and counts the cycles.
+/// Runs rounds of eight ticks, with a takeover in the middle of each or without.
 pub(crate) fn run_rounds(path: &Path, rounds: u64, switches: bool) {
     let bytes = std::fs::read(path).unwrap_or_default();
     let image = Arc::new(Image::from_bytes(&bytes).expect("it was written by us"));
     let (mut core, mut bank) = (Core::with_capacity(PLACES, MS), Puppet::new());
     for _ in 0..rounds {
         let limits = match switches {
-            // The clock of a command shows one period in its first cycle.
+            // The flow `time` of a command is one period in its first cycle.
             true => [(TICKS / 2) as f64 - 0.5, 1e9],
             false => [1e9, 1e9],
         };
@@ -144,17 +145,17 @@ fn insert(core: &mut Core, image: &Arc<Image>, limit: f64, bank: &mut Puppet) ->
     id.expect("there is room")
 }
 
-/// The next round begins with an empty core.
+/// Empties the core for the next round.
 fn clear(core: &mut Core, ids: [CommandId; 2], bank: &mut Puppet) {
     for id in ids {
-        // Who has ended, or never run, is not aborted.
+        // A command that has ended or never ran cannot be aborted; the error is expected.
         let _ = core.abort(id, Why::Request, bank);
         core.remove(id).map(drop).expect("it does not run");
     }
     while core.next_notice().is_some() || core.take_spent().is_some() {}
 }
 
-/// One tick, for callgrind to find.
+/// Runs one tick; a separate function so that callgrind can find it.
 #[inline(never)]
 fn counted_tick(core: &mut Core, bank: &mut Puppet) {
     core.tick(bank, 0, &mut ());

@@ -1,4 +1,4 @@
-//! Regular and serial: a chain of second-order filters.
+//! Regular, serial nets: a chain of second-order filters.
 
 use crate::build::{Build, real};
 use rpi_image::{Scalar, Value};
@@ -6,9 +6,8 @@ use rpi_net::{FragmentId, Input, Net, NodeId, PortRef};
 
 const ROOT: FragmentId = FragmentId::ROOT;
 
-/// A chain of `stages` filters in transposed direct form II, 11 primitives each, driven by the
-/// input `x`.
-/// The last output is exported as `y`. Each filter's gain at rest is 1, so that no value becomes subnormal.
+/// A chain of `stages` filters in transposed direct form II, with 11 primitives each and the input `x`.
+/// The last output is exported as `y`. The DC gain of each filter is 1, so that no value becomes subnormal.
 #[must_use]
 pub fn biquad(stages: usize) -> Net {
     let mut b = Build::new("biquad");
@@ -21,7 +20,7 @@ pub fn biquad(stages: usize) -> Net {
     b.net
 }
 
-/// y = b0 x + s1; s1' = b1 x - a1 y + s2; s2' = b2 x - a2 y.
+/// One filter: y = b0 x + s1; s1' = b1 x - a1 y + s2; s2' = b2 x - a2 y.
 fn stage(b: &mut Build, x: PortRef, [b0, b1, b2, a1, a2]: [f64; 5]) -> PortRef {
     let ((s1, d1), (s2, d2)) = (delayed(b), delayed(b));
     let y = scaled(b, x, b0);
@@ -38,7 +37,7 @@ fn stage(b: &mut Build, x: PortRef, [b0, b1, b2, a1, a2]: [f64; 5]) -> PortRef {
     y
 }
 
-/// A delay of a real that starts as 0: where to read it and what to wire.
+/// Adds a delay of a real with the initial value 0. Returns its output and the node to connect.
 pub(super) fn delayed(b: &mut Build) -> (PortRef, NodeId) {
     if let Some(pre) = b.total_delay(ROOT, Scalar::Real) {
         return (pre, pre.node);
@@ -49,7 +48,7 @@ pub(super) fn delayed(b: &mut Build) -> (PortRef, NodeId) {
     (b.add(ROOT, "Core::DoubleConditional", &inputs), pre.node)
 }
 
-/// The input `x`.
+/// Adds the input `x`.
 pub(super) fn input(b: &mut Build) -> PortRef {
     let key = ("Key", Value::Str("x".into()));
     b.add_with(ROOT, "Core::DoubleNetcommIn", &[], &[key])

@@ -1,4 +1,4 @@
-//! Irregular: a random graph of primitives of all kinds, such as no repetition helps to predict.
+//! Irregular nets: a random graph of primitives of all kinds, without repetitions that a branch predictor could use.
 
 use super::biquad::{delayed, input};
 use crate::build::{Build, real};
@@ -7,9 +7,9 @@ use rpi_net::{FragmentId, Input, Net, NodeId, PortRef};
 
 const ROOT: FragmentId = FragmentId::ROOT;
 
-/// About `size` primitives: a third sums and differences, a third products, the rest choices, comparisons, logic and
-/// delays, in random order. Inputs prefer what was made lately, so that chains are long; everything is used. Values stay
-/// bounded for an input `x` between -1 and 1. The sum of what is left over is exported as `y`.
+/// A net of about `size` primitives: one third sums and differences, one third products, the rest choices, comparisons,
+/// logic and delays, in random order. Inputs prefer recent outputs, so that chains are long, and every output is used.
+/// Values stay bounded for an input `x` between -1 and 1. The sum of the unused outputs is exported as `y`.
 #[must_use]
 pub fn mixed(size: usize, seed: u64) -> Net {
     let mut net = Mixed::new(seed);
@@ -55,7 +55,7 @@ impl Mixed {
         }
     }
 
-    /// Something that nobody uses yet, or something of the last hundred.
+    /// An unused output, or one of the last hundred.
     fn real(&mut self) -> PortRef {
         if self.rng.below(2) == 0
             && let Some(port) = self.unused.pop()
@@ -76,7 +76,7 @@ impl Mixed {
         self.unused.push(port);
     }
 
-    /// A sum or a difference, with a factor on one side and one for both so that values stay bounded.
+    /// Adds a sum or a difference, with a factor on one side and a factor for the result, so that values stay bounded.
     fn add_scaled(&mut self) {
         let (a, b) = (self.real(), self.real());
         let factor = self.rng.real(-0.5, 0.5);

@@ -1,4 +1,4 @@
-//! Nets by the thousand.
+//! Generators of large nets.
 
 mod biquad;
 mod mixed;

@@ -1,4 +1,4 @@
-//! Regular and parallel: independent control loops.
+//! Regular, parallel nets: independent control loops.
 
 use super::biquad::{delayed, input, scaled, sum};
 use crate::build::{Build, boolean, real};
@@ -6,8 +6,8 @@ use rpi_net::{FragmentId, Input, Net, PortRef};
 
 const ROOT: FragmentId = FragmentId::ROOT;
 
-/// `loops` independent loops of 26 primitives each: controller with saturation and anti-windup, and the plant that it
-/// controls, with the target `x`. The sum of all outputs is exported as `y`.
+/// A net of `loops` independent control loops with 26 primitives each: a PID controller with saturation and
+/// anti-windup, and its plant, with the set-point `x`. The sum of all outputs is exported as `y`.
 #[must_use]
 pub fn pid(loops: usize) -> Net {
     let mut b = Build::new("pid");
@@ -53,7 +53,7 @@ fn control_loop(b: &mut Build, target: PortRef, gain: f64) -> PortRef {
     next
 }
 
-/// The value within plus and minus `limit`, and whether it was.
+/// The value limited to plus and minus `limit`, and whether it was within the limits.
 fn saturated(b: &mut Build, x: PortRef, limit: f64) -> (PortRef, PortRef) {
     let high = b.add(ROOT, "Core::DoubleGreater", &[Input::Port(x), real(limit)]);
     let low = b.add(ROOT, "Core::DoubleGreater", &[real(-limit), Input::Port(x)]);

@@ -1,8 +1,8 @@
-//! Programs that are one long body.
+//! Programs with one long body.
 
 use super::{lines, names};
 
-/// Each flow reads the one before; all are declared.
+/// Each flow reads the previous one; all flows are declared.
 pub(super) fn chain_declared(n: usize) -> String {
     let flows = names("x", n);
     let body = lines(n, |k| match k {
@@ -15,7 +15,7 @@ pub(super) fn chain_declared(n: usize) -> String {
     )
 }
 
-/// The same against the order of the text, and without declarations: types are inferred.
+/// Each flow reads the next one in the text, without declarations, so that types are inferred.
 pub(super) fn chain(n: usize) -> String {
     let body = lines(n, |k| match n - 1 - k {
         0 => "  x0 = u;".to_owned(),
@@ -27,7 +27,7 @@ pub(super) fn chain(n: usize) -> String {
     )
 }
 
-/// Each flow is the next one, by another name.
+/// Each flow is a copy of the next one.
 pub(super) fn copies(n: usize) -> String {
     let body = lines(n, |k| format!("  x{k} = x{};", k + 1));
     let flows = names("x", n + 1);
@@ -36,7 +36,7 @@ pub(super) fn copies(n: usize) -> String {
     )
 }
 
-/// Half of the flows read only in-ports, the others sum them up.
+/// Half of the flows read only in-ports; the others sum them up.
 pub(super) fn layer(n: usize) -> String {
     let half = (n / 2).max(1);
     let products = lines(half, |k| format!("  p{k} = a{} * a{};", k % 16, k % 7));
@@ -53,7 +53,7 @@ pub(super) fn layer(n: usize) -> String {
     )
 }
 
-/// Counters and edges: state everywhere.
+/// Counters and edge detectors: state in every equation.
 pub(super) fn delays(n: usize) -> String {
     let third = (n / 3).max(1);
     let body = lines(third, |k| {
@@ -84,7 +84,7 @@ pub(super) fn arrays(n: usize) -> String {
     )
 }
 
-/// Small arrays, each from the one before: by slice, concatenation, `with` and element.
+/// Small arrays, each computed from the previous one by slice, concatenation, `with` and element access.
 pub(super) fn array_chain(n: usize) -> String {
     let body = lines(n, |k| match k {
         0 => "  a0 = u;".to_owned(),

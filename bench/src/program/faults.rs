@@ -1,4 +1,4 @@
-//! Programs with faults all over.
+//! Programs with many errors.
 
 use super::{lines, names};
 
@@ -14,22 +14,22 @@ pub(super) fn broken_equations(n: usize) -> String {
     node(n, |k| format!("  a{k} = u + ;"))
 }
 
-/// Names that nothing declares, most of them like one that is.
+/// Undefined names, most of them similar to a defined one.
 pub(super) fn unknown_names(n: usize) -> String {
     node(n, |k| format!("  flow{k} = u * glow{k};"))
 }
 
-/// Flows that are read and defined, and nowhere declared.
+/// Flows that are read and defined but not declared.
 pub(super) fn undeclared(n: usize) -> String {
     node(n, |k| format!("  a{k} = u + a{};", k + 1))
 }
 
-/// Declarations of one name.
+/// Duplicate declarations of one name.
 pub(super) fn duplicates(n: usize) -> String {
     lines(n, |_| "const same: int = 1;".to_owned())
 }
 
-/// Equations for one flow.
+/// Duplicate equations for one flow.
 pub(super) fn defined_twice(n: usize) -> String {
     node(n, |_| "  y = u;".to_owned())
 }
@@ -39,12 +39,12 @@ pub(super) fn wrong_types(n: usize) -> String {
     node(n, |k| format!("  a{k} = u + {k}[m];"))
 }
 
-/// Flows that nothing reads.
+/// Unused flows.
 pub(super) fn unused(n: usize) -> String {
     node(n, |k| format!("  a{k} = u * {k}.0;"))
 }
 
-/// Pairs that wait for each other.
+/// Many dependency cycles of two flows.
 pub(super) fn rings(n: usize) -> String {
     let count = n / 2;
     let declared = lines(count, |k| format!("  a{k}, b{k}: real;"));
@@ -54,7 +54,7 @@ pub(super) fn rings(n: usize) -> String {
     format!("node faulty (u: real) returns (y: real)\nvar\n{declared}let\n{body}  y = u;\ntel\n")
 }
 
-/// A ring through everything.
+/// One dependency cycle through all flows.
 pub(super) fn one_ring(n: usize) -> String {
     let body = lines(n, |k| format!("  a{k} = a{} * 0.5;", (k + 1) % n));
     let flows = names("a", n);
@@ -63,14 +63,14 @@ pub(super) fn one_ring(n: usize) -> String {
     )
 }
 
-/// Delays that are read in the first cycle: each by an out-port.
+/// Delays without an initial value, each read in the first cycle by an out-port.
 pub(super) fn no_first_value(n: usize) -> String {
     let body = lines(n, |k| format!("  y{k} = pre u + {k}.0;"));
     let flows = names("y", n);
     format!("node faulty (u: real) returns ({flows}: real)\nlet\n{body}tel\n")
 }
 
-/// Flows that may be absent where one is needed.
+/// Flows that may be absent, used where presence is required.
 pub(super) fn absent(n: usize) -> String {
     let count = n / 3;
     let declared = lines(count, |k| format!("  b{k}: real;"));
@@ -80,7 +80,7 @@ pub(super) fn absent(n: usize) -> String {
     format!("node faulty (u: real) returns (y: real)\nvar\n{declared}let\n{body}  y = u;\ntel\n")
 }
 
-/// A node around equations.
+/// A node with `count` generated equations.
 fn node(count: usize, line: impl Fn(usize) -> String) -> String {
     let body = lines(count, line);
     format!("node faulty (u: real) returns (y: real)\nlet\n{body}  y = u;\ntel\n")

@@ -1,24 +1,24 @@
-//! Texts of programs to check: how long that takes, and whether it grows as they do.
+//! Generated programs for measuring the checker and how its time grows with the size.
 //!
-//! A [`Shape`] writes a program of about so many equations. [`SOUND`] are programs without faults, [`FAULTY`] have a
-//! finding for every few equations, for a compiler may not be slow to complain either.
+//! A [`Shape`] generates a program of about the requested number of equations. [`SOUND`] are programs without errors;
+//! [`FAULTY`] have a diagnostic for every few equations, because reporting many errors must not be slow either.
 
 mod bodies;
 mod faults;
 mod parts;
 
-/// A way to write a program of any size.
+/// A generator of programs of any size.
 #[derive(Clone, Copy)]
 pub struct Shape {
-    /// What it is, in two words.
+    /// Short name of the shape.
     pub name: &'static str,
-    /// How its file's name ends: the language.
+    /// File extension: the language.
     pub ending: &'static str,
     write: fn(usize) -> String,
 }
 
 impl Shape {
-    /// A program of about so many equations.
+    /// A program of about `equations` equations.
     #[must_use]
     pub fn text(&self, equations: usize) -> String {
         (self.write)(equations)
@@ -33,7 +33,7 @@ const fn shape(name: &'static str, ending: &'static str, write: fn(usize) -> Str
     }
 }
 
-/// Programs in which nothing is found.
+/// Programs without diagnostics.
 pub const SOUND: &[Shape] = &[
     shape("chain", "lus", bodies::chain_declared),
     shape("chain", "rpi", bodies::chain),
@@ -52,7 +52,7 @@ pub const SOUND: &[Shape] = &[
     shape("commands", "rpi", parts::commands),
 ];
 
-/// Programs in which much is found: what their names say.
+/// Programs with many diagnostics of the kind in their name.
 pub const FAULTY: &[Shape] = &[
     shape("broken items", "rpi", faults::broken_items),
     shape("broken equations", "rpi", faults::broken_equations),
@@ -68,7 +68,7 @@ pub const FAULTY: &[Shape] = &[
     shape("absent", "rpi", faults::absent),
 ];
 
-/// A file as people write it: a module of the library without its tests, 300 lines long; it uses another one.
+/// A hand-written file: a module of the library without its tests, 300 lines long, that uses another module.
 #[must_use]
 pub fn written() -> &'static str {
     let module = include_str!("../../../stdlib/motion.rpi");
@@ -77,7 +77,7 @@ pub fn written() -> &'static str {
         .map_or(module, |tests| &module[..tests])
 }
 
-/// The program `f(k)` for each number, each on a line of its own.
+/// Concatenates `line(k)` for each k below `count`, each on a line of its own.
 fn lines(count: usize, line: impl Fn(usize) -> String) -> String {
     let mut text = String::new();
     for k in 0..count {
@@ -87,7 +87,7 @@ fn lines(count: usize, line: impl Fn(usize) -> String) -> String {
     text
 }
 
-/// A list of `prefix0, prefix1, ...`.
+/// The list `prefix0, prefix1, ...`.
 fn names(prefix: &str, count: usize) -> String {
     let names: Vec<String> = (0..count).map(|k| format!("{prefix}{k}")).collect();
     names.join(", ")
@@ -123,7 +123,7 @@ mod tests {
         }
     }
 
-    /// The codes of the findings that each faulty program is about.
+    /// The code of the diagnostics that each faulty program must cause.
     const CODES: &[(&str, &str)] = &[
         ("broken items", "RPI0004"),
         ("broken equations", "RPI0001"),

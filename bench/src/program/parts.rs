@@ -2,10 +2,10 @@
 
 use super::{lines, names};
 
-/// Equations of each part.
+/// Equations per part.
 const EACH: usize = 8;
 
-/// Small nodes, each of which calls the one before the last ten: every part is called once.
+/// Many small nodes, and a node that calls each of them once in a chain.
 pub(super) fn nodes(n: usize) -> String {
     let count = (n / (EACH + 2)).max(1);
     let parts = lines(count, |k| {
@@ -30,7 +30,7 @@ pub(super) fn nodes(n: usize) -> String {
     )
 }
 
-/// One node of ten equations, called again and again.
+/// One node of ten equations that is called many times.
 pub(super) fn calls(n: usize) -> String {
     let count = (n / (EACH + 2)).max(1);
     let body = lines(EACH, |e| match e {
@@ -68,7 +68,7 @@ pub(super) fn ladder(n: usize) -> String {
     text
 }
 
-/// Fragments side by side, each read by the one behind it.
+/// Fragments side by side, each read by the next one.
 pub(super) fn fragments(n: usize) -> String {
     let count = (n / 5).max(1);
     let body = lines(count, |k| {
@@ -119,7 +119,7 @@ pub(super) fn automaton(n: usize) -> String {
     format!("node whole (go: bool) returns (y: int)\nlet\n  automaton\n{states}  end\ntel\n")
 }
 
-/// Sampled flows: a clock for every five equations.
+/// Sampled flows: one clock for every five equations.
 pub(super) fn clocks(n: usize) -> String {
     let count = (n / 5).max(1);
     let body = lines(count, |k| {
@@ -144,7 +144,7 @@ pub(super) fn clocks(n: usize) -> String {
     )
 }
 
-/// Commands with a fragment each.
+/// Commands with one fragment each.
 pub(super) fn commands(n: usize) -> String {
     let count = (n / 5).max(1);
     lines(count, |k| {

@@ -1,4 +1,4 @@
-//! A machine with a life: its state, what it holds, how it has ended.
+//! Commands: a loaded image with its lifecycle state, its resources and the way it ended.
 
 use crate::continuity::Continuity;
 use crate::id::RuleId;
@@ -16,84 +16,86 @@ use alloc::sync::Arc;
 use alloc::vec;
 use alloc::vec::Vec;
 
-/// A loaded command.
+/// A loaded command: a running image, its lifecycle state and the resources that it needs and holds.
 pub struct Command {
-    /// What it computes.
+    /// The running image.
     pub(crate) machine: Machine,
     pub(crate) state: State,
-    /// The actuators that it needs, ascending, and whether it holds them.
+    /// Resources that the command needs, in ascending order, each with a flag for whether it is held.
     pub(crate) holds: Box<[Hold]>,
-    /// For each result whether a successor is scheduled for it that covers what may be moving.
+    /// For each result, whether a successor is scheduled that takes over every moving actuator.
     pub(crate) covered: Box<[bool]>,
-    /// The exported Booleans of its latest cycle, by export.
+    /// For each export, its Boolean value in the latest cycle; `None` if absent or not a Boolean.
     pub(crate) shown: Box<[Option<bool>]>,
-    /// What it is told in the current cycle.
+    /// Inputs from the core for the current cycle: times, `cancel`, `takeover`, `predecessor`.
     pub(crate) moment: Moment,
     pub(crate) ending: Option<Ending>,
     pub(crate) continuity: Continuity,
     pub(crate) on_overrun: OnOverrun,
     pub(crate) overruns: Overruns,
-    /// The most that it does in a cycle, in elementary operations.
+    /// Upper bound of the work per cycle, in elementary operations (a real addition is 1).
     work: u64,
 }
 
-/// An actuator that a command needs.
+/// A resource (actuator) that a command needs.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Hold {
     pub(crate) resource: u32,
     pub(crate) held: bool,
-    /// It comes to it from somebody before, or is somebody else's: noted while it is looked for what is free.
+    /// The resource comes from a predecessor or is held by an unrelated command, so it cannot be taken now. Recomputed
+    /// on each search for free resources.
     pub(crate) unfree: bool,
 }
 
-/// Why a command has ended.
+/// Cause of a command's end.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Cause {
-    /// By its named result of this index.
+    /// The named result with this index.
     Result(usize),
-    /// By its port `terminate`.
+    /// The port `terminate`.
     Terminate,
-    /// By a fault in a cycle.
+    /// A fault in a cycle.
     Fault(Fault),
-    /// By force, for this reason.
+    /// An abort, with its reason.
     Aborted(Why),
-    /// By a rule.
+    /// A stop by a rule.
     Stopped(RuleId),
 }
 
-/// Why a command was ended by force.
+/// Reason for an abort.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Why {
-    /// Its owner, or somebody in its name, wanted it.
+    /// A request by the owner or on the owner's behalf.
     Request,
-    /// Its cycles took too long.
+    /// Cycles exceeded their time limit.
     Overrun,
-    /// Everything was to stop.
+    /// An emergency stop of all commands.
     EmergencyStop,
-    /// Its owner has disappeared.
+    /// The connection to the owner was lost.
     ClientLost,
-    /// Another command took over with a jump, which was to stop everything.
+    /// A discontinuous takeover by another command with [`Continuity::Stop`].
     Discontinuity,
 }
 
-/// How a command has ended.
+/// The end of a command: cause, error number and circumstances.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Ending {
-    /// Why.
+    /// Cause of the end.
     pub cause: Cause,
-    /// Its error number, 0 for none: the number of the `fail` in text order from 1, or what `fail` gave. -1 for a fault
-    /// or an abort.
+    /// Error number, 0 for none. It is the position of the `fail` in text order, counted from 1, or the value of the
+    /// port `fail`. Faults and aborts have -1.
     pub error: i64,
-    /// Number of its cycles.
+    /// Number of cycles that the command ran.
     pub cycles: u64,
-    /// It had been asked to end.
+    /// The command was cancelled before it ended.
     pub cancelled: bool,
-    /// It left an actuator in motion that no successor took: the device was stopped.
+    /// An actuator was still moving and no successor took it over, so its device was stopped.
     pub left_moving: bool,
 }
 
 impl Ending {
-    /// True if it has ended by itself, without an error, and was not cancelled: what is scheduled on it may follow.
+    /// True for an end by a result or by `terminate`, without an error and without a cancel. Successors scheduled by
+    /// [`crate::Rule::follow`] start only after such an end.
     #[must_use]
     pub fn is_regular(&self) -> bool {
         let by_itself = matches!(self.cause, Cause::Result(_) | Cause::Terminate);
@@ -102,10 +104,10 @@ impl Ending {
 }
 
 impl Command {
-    /// Loads an image: verifies it, resolves its devices, allocates everything that it will ever need.
+    /// Loads an image: verifies it, resolves its devices and allocates all memory that the command will need.
     ///
     /// # Errors
-    /// Every reason why it cannot run here.
+    /// Returns every reason why the image cannot run in this cell.
     pub fn load(
         image: impl Into<Arc<Image>>,
         bank: &mut dyn DeviceBank,
@@ -139,43 +141,43 @@ impl Command {
         })
     }
 
-    /// The most that it may have to do in a cycle, in elementary operations (a real addition is 1).
+    /// Upper bound of the work per cycle, in elementary operations (a real addition is 1).
     #[must_use]
     pub fn work(&self) -> u64 {
         self.work
     }
 
-    /// Its primitives never do more than this in a cycle, in elementary operations: as a compiler has shown that knows which fragments
-    /// exclude one another.
+    /// Tightens the bound of [`Command::work`]: the primitives do at most `primitives` elementary operations per cycle.
+    /// The compiler proves this bound from its knowledge of mutually exclusive fragments.
     pub fn bound_work(&mut self, primitives: u64) {
         self.work = self.machine.work(Some(primitives));
     }
 
-    /// Where it is in its life.
+    /// Current lifecycle state.
     #[must_use]
     pub fn state(&self) -> State {
         self.state
     }
 
-    /// What it computes.
+    /// The running image.
     #[must_use]
     pub fn machine(&self) -> &Machine {
         &self.machine
     }
 
-    /// Sets an input between cycles; false if there is no such input or the value does not fit.
+    /// Sets an input between two cycles. Returns false if the index is out of range or the value has the wrong size.
     pub fn set_input(&mut self, index: usize, value: &[u64]) -> bool {
         let net_ns = self.moment.net_ns;
         self.machine.set_input(index, value, net_ns)
     }
 
-    /// How it has ended.
+    /// Cause, error number and circumstances of the end; `None` while the command has not ended.
     #[must_use]
     pub fn ending(&self) -> Option<&Ending> {
         self.ending.as_ref()
     }
 
-    /// The name of the result with which it has ended.
+    /// Name of the result with which the command ended; `None` if it did not end by a result.
     #[must_use]
     pub fn result(&self) -> Option<&str> {
         match (self.ending?.cause, &self.machine.image().end) {
@@ -184,26 +186,26 @@ impl Command {
         }
     }
 
-    /// The actuators that it needs, ascending.
+    /// Resources that the command needs, in ascending order.
     pub fn resources(&self) -> impl Iterator<Item = u32> + '_ {
         self.holds.iter().map(|h| h.resource)
     }
 
-    /// The actuators that it holds now, ascending.
+    /// Resources that the command holds now, in ascending order.
     pub fn held(&self) -> impl Iterator<Item = u32> + '_ {
         self.holds.iter().filter(|h| h.held).map(|h| h.resource)
     }
 
-    /// Identity of its result, as its successor's `predecessor` flow carries it.
+    /// Hash of the command's name and its result, as carried by the `predecessor` flow of a successor.
     pub(crate) fn result_id(&self) -> Option<i64> {
-        // `moves.MoveTo(arm, home) #2` is the command MoveTo of a module, for these arguments: its results are those of
-        // MoveTo.
+        // The image name `moves.MoveTo(arm, home) #2` denotes the command MoveTo of a module with these arguments.
+        // Results are identified by the bare name MoveTo.
         let called = self.machine.image().name.split(['(', ' ']).next();
         let command = called.and_then(|name| name.rsplit('.').next());
         Some(result_id(command.unwrap_or_default(), self.result()?))
     }
 
-    /// Lets an event happen, if it fits the state.
+    /// Applies a lifecycle event; the state does not change if the event is not allowed in it.
     pub(crate) fn happen(&mut self, event: Event) -> Next {
         let next = self.state.next(event);
         if let Next::To(state) = next {
@@ -223,8 +225,9 @@ impl Command {
         found.is_ok_and(|k| self.holds[k].held)
     }
 
-    /// The first actuator that another command holds and this one needs and does not hold.
+    /// First resource that this command lacks and `other` holds.
     pub(crate) fn lacks_of(&self, other: &Command) -> Option<u32> {
+        // Both lists are sorted by resource, so one merge pass finds the first common one in linear time.
         let mut theirs = other.holds.iter().filter(|hold| hold.held).peekable();
         let mut mine = self.holds.iter().filter(|hold| !hold.held);
         mine.find_map(|need| {
@@ -241,7 +244,7 @@ impl Command {
         })
     }
 
-    /// Gives up what another command takes.
+    /// Releases the resources in `needs`, which another command takes.
     pub(crate) fn yield_to(&mut self, needs: &[Hold]) {
         let mut needs = needs.iter().peekable();
         for hold in &mut self.holds {
@@ -256,7 +259,7 @@ impl Command {
         }
     }
 
-    /// True if its result of this index is a `yield`.
+    /// True if the result with this index is a `yield`.
     pub(crate) fn yields(&self, result: usize) -> bool {
         match &self.machine.image().end {
             End::Results(results) => results
@@ -270,7 +273,8 @@ impl Command {
         self.holds.iter_mut().for_each(|h| h.held = held);
     }
 
-    /// Hands its set-points over. A moving actuator that got none is a fault, unless the command ends here anyway.
+    /// Sends the staged set-points to the devices. A moving actuator without a set-point is a fault, unless the command
+    /// ends in this cycle.
     pub(crate) fn hand_over(&mut self, bank: &mut dyn DeviceBank) {
         self.watch_switch();
         if !self.machine.hand_over(bank) && self.ends().is_none() {
@@ -278,7 +282,7 @@ impl Command {
         }
     }
 
-    /// How it ends with this cycle, if it does.
+    /// The end of the command if it ends in this cycle.
     pub(crate) fn ends(&self) -> Option<Ending> {
         let verdict = self.machine.verdict(&self.covered)?;
         let (cause, error) = match verdict {
@@ -299,7 +303,7 @@ impl Command {
         }
     }
 
-    /// The number of a `fail` in text order from 1; 0 for other results.
+    /// Error number of a result: the position of a `fail` in text order, counted from 1; 0 for other results.
     fn error_of(&self, result: usize) -> i64 {
         let End::Results(results) = &self.machine.image().end else {
             return 0;

@@ -1,4 +1,4 @@
-//! The table of commands and what can be asked of it between ticks.
+//! The table of commands and the requests that are accepted between ticks.
 
 use crate::command::{Cause, Command, Why};
 use crate::id::{CommandId, RuleId};
@@ -11,102 +11,102 @@ use rpi_device::DeviceBank;
 use alloc::boxed::Box;
 use alloc::vec::Vec;
 
-/// Why a request was refused; nothing has changed then.
+/// Reason for rejecting a request. A rejected request changes nothing.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Refused {
-    /// There is no such command, or no such rule.
+    /// Unknown command or rule.
     Unknown,
-    /// The request does not fit the command's state.
+    /// The command's state does not allow the request.
     State(State),
-    /// An actuator that it needs is held by another command, or needed by another one that is started together with it.
+    /// A needed resource is held by another command, or needed by another command that the same rule starts.
     Held {
-        /// The actuator.
+        /// The resource.
         resource: u32,
-        /// Who holds it.
+        /// The command that holds or needs the resource.
         by: CommandId,
     },
-    /// A command would follow itself, or be started twice.
+    /// A rule would start a command after itself, or start it twice.
     Successor,
-    /// The rule could never fire.
+    /// The rule's condition can never become true.
     Never,
     /// The rule's condition is nested too deeply.
     Condition,
-    /// Its period is not a whole multiple of the tick.
+    /// The command's period is not a whole multiple of the tick.
     Period,
-    /// The table is full, or the place is taken.
+    /// The table is full, or the requested slot is occupied.
     Full,
 }
 
-/// A command with its place in time and in the order of succession.
+/// An occupied table slot: the command, its schedule and its role in the current decision.
 pub(crate) struct Entry {
     pub(crate) serial: u32,
     pub(crate) command: Box<Command>,
-    /// Ticks per cycle.
+    /// Period of the command, in ticks.
     pub(crate) ticks: u64,
-    /// The tick of its next cycle.
+    /// Tick of the next cycle.
     pub(crate) due: u64,
-    /// Logical time of its first cycle.
+    /// Logical time of the first cycle, nanoseconds since the Unix epoch.
     pub(crate) start_ns: i64,
-    /// Its owner wants it back if nothing can start it any more.
+    /// If nothing can start the command any more, it becomes ready again instead of being removed.
     pub(crate) kept: bool,
-    /// It is no more, and waits to be freed off the cycle.
+    /// The command was removed from the schedule and waits to be freed outside the cycle.
     pub(crate) gone: bool,
-    /// It ends in this decision and has not let go of everything yet.
+    /// The command ends in the current decision and may still hold resources.
     pub(crate) leaving: bool,
-    /// It was started in this decision.
+    /// The command was started in the current decision.
     pub(crate) fresh: bool,
-    /// It runs or may run yet.
+    /// The command runs, or a rule may still start it.
     pub(crate) live: bool,
 }
 
 impl Entry {
-    /// The name of what is at this place.
+    /// Id of the command in this slot; `place` is the index of the slot.
     pub(crate) fn id(&self, place: usize) -> CommandId {
         named(place, self.serial)
     }
 
-    /// True if it has not ended and may still do something.
+    /// True if the command has not ended and may still run.
     pub(crate) fn is_live(&self) -> bool {
         self.live && self.command.ending.is_none() && !self.gone
     }
 }
 
-/// The name of the command that came to a place with a number of its own.
+/// Id made of a slot index and a serial number.
 fn named(place: usize, serial: u32) -> CommandId {
-    // The table has fewer than 2^32 places.
+    // The table has fewer than 2^32 slots.
     let place = place as u32;
     CommandId { place, serial }
 }
 
-/// Rules for each command that there is room for.
+/// Capacity for rules per command slot.
 const RULES: usize = 4;
-/// Notices for each command that there is room for; more than one tick can bring where a command has up to ten actuators.
+/// Capacity for notices per command slot. One tick produces fewer for commands with up to ten actuators.
 const NOTICES: usize = 16;
 
-/// All commands of a control core, run tick by tick.
+/// The control core: runs all commands, tick by tick.
 ///
-/// A table of fixed size: nothing but [`Core::with_capacity`] allocates, nothing frees. Commands are loaded elsewhere and
-/// moved in, and moved out to be freed elsewhere.
+/// The table has a fixed size. Only [`Core::with_capacity`] allocates, and nothing is freed here. Commands are loaded
+/// elsewhere and moved in; ended commands are moved out and freed elsewhere.
 pub struct Core {
-    /// Up to the last place that is taken: what nobody uses costs nothing in a tick.
+    /// Slots up to the last occupied one; unused slots after it cost no time in a tick.
     pub(crate) entries: Vec<Option<Entry>>,
     places: usize,
-    /// In the order in which they were made.
+    /// Pending rules in the order of their creation.
     pub(crate) rules: Vec<Pending>,
-    /// Over, and waiting to be freed off the cycle.
+    /// Fired and dropped rules that wait to be freed outside the cycle.
     pub(crate) spent: Vec<(RuleId, Box<Rule>)>,
     pub(crate) most_rules: usize,
     pub(crate) notices: Notices,
     pub(crate) tick_ns: u64,
     pub(crate) tick: u64,
-    /// Something has begun or ended in this decision.
+    /// A command has started or ended in the current decision.
     pub(crate) changed: bool,
     pub(crate) named: u64,
     serial: u32,
 }
 
 impl Core {
-    /// An empty table for so many commands, ticking with this period in nanoseconds.
+    /// An empty core with capacity for `commands` commands; `tick_ns` is the tick in nanoseconds.
     #[must_use]
     pub fn with_capacity(commands: usize, tick_ns: u64) -> Self {
         let most_rules = commands.saturating_mul(RULES);
@@ -131,10 +131,10 @@ impl Core {
         self.tick
     }
 
-    /// Takes a loaded command in and gives it a name.
+    /// Inserts a loaded command and returns its new id.
     ///
     /// # Errors
-    /// Gives it back if the table is full or its period does not fit the tick.
+    /// Returns the command if the table is full or the command's period is not a multiple of the tick.
     pub fn insert(&mut self, command: Box<Command>) -> Result<CommandId, (Box<Command>, Refused)> {
         let free = self.entries.iter().position(Option::is_none);
         let place = free.unwrap_or(self.entries.len());
@@ -143,10 +143,10 @@ impl Core {
         self.insert_as(id, command).map(|()| id)
     }
 
-    /// Takes a loaded command in under a name that [`crate::Places`] gave.
+    /// Inserts a loaded command under an id from [`crate::Places`].
     ///
     /// # Errors
-    /// Gives it back if the place is taken or its period does not fit the tick.
+    /// Returns the command if the slot is occupied or the command's period is not a multiple of the tick.
     pub fn insert_as(
         &mut self,
         id: CommandId,
@@ -177,7 +177,7 @@ impl Core {
         }
     }
 
-    /// A place of the table, if it has so many.
+    /// The table slot with this index; `None` beyond the capacity.
     fn slot(&mut self, place: usize) -> Option<&mut Option<Entry>> {
         if place >= self.places {
             return None;
@@ -196,10 +196,10 @@ impl Core {
         entry
     }
 
-    /// Starts a command: its first cycle is the next tick.
+    /// Starts a command. Its first cycle runs in the next tick.
     ///
     /// # Errors
-    /// If it is not ready, or an actuator that it needs is held.
+    /// The command is not ready, or another command holds a resource that it needs.
     pub fn start(&mut self, id: CommandId, bank: &mut dyn DeviceBank) -> Result<(), Refused> {
         let place = self.place(id)?;
         self.fits(place, Event::Start)?;
@@ -209,10 +209,10 @@ impl Core {
         Ok(())
     }
 
-    /// Takes a scheduled command back; it is ready again and holds nothing. The rules that were to start it are dropped.
+    /// Unschedules a command: it becomes ready, releases its resources, and the rules that would start it are dropped.
     ///
     /// # Errors
-    /// If it is not scheduled.
+    /// The command is not scheduled.
     pub fn unschedule(&mut self, id: CommandId) -> Result<(), Refused> {
         let place = self.place(id)?;
         self.fits(place, Event::Orphan { kept: true })?;
@@ -221,10 +221,11 @@ impl Core {
         Ok(())
     }
 
-    /// Asks a command to end; it sees `cancel` from its next cycle on. What is scheduled on its regular end is not started.
+    /// Cancels a command. It sees `cancel` from its next cycle on. Successors scheduled on its regular end are not
+    /// started.
     ///
     /// # Errors
-    /// If it does not run.
+    /// The command is not running.
     pub fn cancel(&mut self, id: CommandId) -> Result<(), Refused> {
         let place = self.place(id)?;
         self.fits(place, Event::Cancel)?;
@@ -233,10 +234,10 @@ impl Core {
         Ok(())
     }
 
-    /// Ends a command by force between two cycles; its devices stop on their own limits.
+    /// Aborts a command between two cycles. Its devices stop within their own limits.
     ///
     /// # Errors
-    /// If it does not run.
+    /// The command is not running.
     pub fn abort(
         &mut self,
         id: CommandId,
@@ -250,12 +251,12 @@ impl Core {
         Ok(())
     }
 
-    /// Ends every command by force and drops every rule; all devices that they moved stop on their own limits.
+    /// Aborts every command and drops every rule. All moving devices stop within their own limits.
     pub fn emergency_stop(&mut self, bank: &mut dyn DeviceBank) {
         self.stop_all(Why::EmergencyStop, bank);
     }
 
-    /// As [`Core::emergency_stop`], for another reason.
+    /// Aborts every command for the reason `why` and drops every rule; see [`Core::emergency_stop`].
     pub fn stop_all(&mut self, why: Why, bank: &mut dyn DeviceBank) {
         while let Some(last) = self.rules.len().checked_sub(1) {
             self.drop_rule(last, Outcome::Dropped);
@@ -269,11 +270,11 @@ impl Core {
         self.conclude(bank);
     }
 
-    /// Moves a command out, to be freed off the cycle. Who is scheduled is unscheduled first; what rules asked about it is
-    /// settled as it stands.
+    /// Moves a command out of the table, to be freed outside the cycle. A scheduled command is unscheduled first. Rules
+    /// keep the command's final facts.
     ///
     /// # Errors
-    /// If it runs.
+    /// The command is running.
     pub fn remove(&mut self, id: CommandId) -> Result<Box<Command>, Refused> {
         let place = self.place(id)?;
         self.fits(place, Event::Unload)?;
@@ -286,7 +287,8 @@ impl Core {
         Ok(entry.command)
     }
 
-    /// Moves out a command that is no more because nothing could start it, to be freed off the cycle.
+    /// Moves an orphaned command out of the table, to be freed outside the cycle. A command is orphaned if nothing can
+    /// start it any more.
     pub fn take_gone(&mut self) -> Option<(CommandId, Box<Command>)> {
         let gone = |e: &Option<Entry>| e.as_ref().is_some_and(|e| e.gone);
         let place = self.entries.iter().position(gone)?;
@@ -294,24 +296,24 @@ impl Core {
         self.take_out(place).map(|e| (id, e.command))
     }
 
-    /// What has happened, in order; to be asked after each tick and request.
+    /// Returns the oldest notice. Drain the log after each tick and each request.
     pub fn next_notice(&mut self) -> Option<Notice> {
         self.notices.pop()
     }
 
-    /// How many notices were lost because nobody asked for them.
+    /// Number of notices lost because the log was full.
     #[must_use]
     pub fn notices_lost(&self) -> u64 {
         self.notices.lost
     }
 
-    /// A command, to look at.
+    /// The command with this id.
     #[must_use]
     pub fn command(&self, id: CommandId) -> Option<&Command> {
         self.entries[self.find(id)?].as_ref().map(|e| &*e.command)
     }
 
-    /// A command, to set its inputs between ticks.
+    /// Mutable access to the command with this id, to set its inputs between ticks.
     pub fn command_mut(&mut self, id: CommandId) -> Option<&mut Command> {
         let place = self.find(id)?;
         self.entries[place].as_mut().map(|e| &mut *e.command)
@@ -326,7 +328,7 @@ impl Core {
         })
     }
 
-    /// The rules that may still fire, in the order in which they were made.
+    /// The rules that may still fire, in the order of their creation.
     pub fn rules(&self) -> impl Iterator<Item = (RuleId, &Rule)> + '_ {
         self.rules.iter().map(|p| (p.id, &*p.rule))
     }
@@ -336,7 +338,7 @@ impl Core {
         named(place, entry.map_or(0, |e| e.serial))
     }
 
-    /// Where a command stands, if it is there.
+    /// Slot index of a command; `None` if the id is unknown or stale.
     pub(crate) fn find(&self, id: CommandId) -> Option<usize> {
         let place = id.place as usize;
         let entry = self.entries.get(place)?.as_ref()?;

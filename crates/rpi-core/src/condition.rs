@@ -1,7 +1,8 @@
-//! Conditions of rules: three-valued expressions over what commands tell.
+//! Conditions of rules: three-valued expressions over facts about commands.
 //!
-//! A fact is true, false or not known yet. `and`, `or` and `not` follow Kleene's logic, so that `false and unknown` is
-//! false. Beside what is true now an evaluation tells what can still become true: a rule whose condition cannot is dropped.
+//! A fact is true, false or unknown. `and`, `or` and `not` follow Kleene's strong three-valued logic, so `false and
+//! unknown` is false. An evaluation yields the present truth value and the values that are still possible. A rule whose
+//! condition can no longer become true is dropped.
 
 use crate::id::CommandId;
 
@@ -10,39 +11,39 @@ use alloc::vec;
 use alloc::vec::Vec;
 use core::ops;
 
-/// Something that can be said about a command.
+/// An atomic proposition about a command.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Fact {
-    /// Its exported Boolean of this index is true in its latest cycle. Not known before its first cycle and where the flow
-    /// is absent; after its end as in its last cycle.
+    /// The exported Boolean with this index is true in the latest cycle. Unknown before the first cycle and while the
+    /// flow is absent. After the end, the value of the last cycle holds.
     Export(u32),
-    /// It has ended, however.
+    /// The command has ended, for any cause.
     Ended,
-    /// It has ended by itself, without an error, and nobody had cancelled it.
+    /// The command has ended by a result or by `terminate`, without an error and without a cancel.
     Regular,
-    /// It has ended with an error, a fault or an abort.
+    /// The command has ended with an error, a fault or an abort.
     Failed,
-    /// It has ended by the named result of this index.
+    /// The command has ended by the named result with this index.
     Result(u32),
-    /// It has ended with this error number.
+    /// The command has ended with this error number.
     Error(i64),
 }
 
-/// What is known about a fact or a condition.
+/// Knowledge about a fact or a condition: its present truth value and its possible later values, as a bit set.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct Truth(u8);
 
 impl Truth {
-    /// Nothing, and that remains so.
+    /// Unknown, now and for ever.
     pub(crate) const NEVER: Truth = Truth(0);
     const TRUE: u8 = 1;
     const FALSE: u8 = 2;
     const MAY_BE_TRUE: u8 = 4;
     const MAY_BE_FALSE: u8 = 8;
-    /// Nothing yet.
+    /// Unknown now; may become true or false.
     pub(crate) const OPEN: Truth = Truth(Self::MAY_BE_TRUE | Self::MAY_BE_FALSE);
 
-    /// What remains so.
+    /// Known value that cannot change any more.
     pub(crate) const fn fixed(value: bool) -> Truth {
         Truth(if value {
             Self::TRUE | Self::MAY_BE_TRUE
@@ -51,7 +52,7 @@ impl Truth {
         })
     }
 
-    /// What is so now and may change.
+    /// Known present value that may still change.
     pub(crate) const fn now(value: bool) -> Truth {
         Truth(Self::OPEN.0 | if value { Self::TRUE } else { Self::FALSE })
     }
@@ -64,7 +65,7 @@ impl Truth {
         self.0 & Self::MAY_BE_TRUE != 0
     }
 
-    /// Only what cannot change any more.
+    /// Forgets a present value that may still change; keeps a fixed value.
     pub(crate) const fn lasting(self) -> Truth {
         match self.0 & Self::OPEN.0 == Self::OPEN.0 {
             true => Self::OPEN,
@@ -73,6 +74,7 @@ impl Truth {
     }
 
     const fn not(self) -> Truth {
+        // Each bit for false is one position above its bit for true, so negation swaps neighbours.
         let odd = self.0 & (Self::TRUE | Self::MAY_BE_TRUE);
         let even = self.0 & (Self::FALSE | Self::MAY_BE_FALSE);
         Truth(odd << 1 | even >> 1)
@@ -89,7 +91,7 @@ impl Truth {
     }
 }
 
-/// One word of a condition, operands first.
+/// One word of a condition in postfix notation (operands first).
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Word {
     Fact(CommandId, Fact),
@@ -101,7 +103,7 @@ pub(crate) enum Word {
 }
 
 impl Word {
-    /// As numbers: what it is, the command that it speaks of, and an argument.
+    /// Encodes the word as three numbers: opcode, command id, argument.
     pub(crate) fn numbers(&self) -> [u64; 3] {
         let of = |what: u64, command: CommandId, argument: u64| [what, command.number(), argument];
         match *self {
@@ -119,7 +121,7 @@ impl Word {
         }
     }
 
-    /// The word behind these numbers; none if they make none.
+    /// Decodes a word from three numbers; `None` if they encode no word.
     pub(crate) fn of_numbers(numbers: &[u64]) -> Option<Word> {
         let &[what, command, argument] = numbers else {
             return None;
@@ -142,7 +144,7 @@ impl Word {
         })
     }
 
-    /// How many operands it takes; each word leaves one.
+    /// Number of operands that the word pops from the stack. Each word pushes one value.
     const fn operands(&self) -> usize {
         match self {
             Word::Fact(..) | Word::Constant(_) | Word::Never => 0,
@@ -152,29 +154,29 @@ impl Word {
     }
 }
 
-/// Operands that wait at once; conditions that need more are refused.
+/// Depth of the evaluation stack. Conditions that need more are rejected.
 const DEPTH: usize = 32;
 
-/// When a rule fires: an expression over facts of commands.
+/// Condition of a rule: a Boolean expression over facts about commands.
 ///
-/// Made beside the cycle, with `&`, `|` and `!` from [`Condition::of`] and [`Condition::always`].
+/// Built outside the cycle from [`Condition::of`] and [`Condition::always`] with the operators `&`, `|` and `!`.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Condition(Box<[Word]>);
 
 impl Condition {
-    /// A fact about a command.
+    /// The condition that a fact about a command is true.
     #[must_use]
     pub fn of(command: CommandId, fact: Fact) -> Condition {
         Condition(vec![Word::Fact(command, fact)].into())
     }
 
-    /// True at once.
+    /// The condition that is always true.
     #[must_use]
     pub fn always() -> Condition {
         Condition(vec![Word::Constant(true)].into())
     }
 
-    /// The commands that it speaks of, as often as it does.
+    /// The commands of all facts in the condition, with duplicates.
     pub fn commands(&self) -> impl Iterator<Item = CommandId> + '_ {
         self.0.iter().filter_map(|word| match word {
             Word::Fact(command, _) => Some(*command),
@@ -182,12 +184,12 @@ impl Condition {
         })
     }
 
-    /// Its words, operands first.
+    /// The words in postfix order.
     pub(crate) fn words(&self) -> impl Iterator<Item = &Word> + '_ {
         self.0.iter()
     }
 
-    /// The condition that these words make; none if an operand is missing or too many are left.
+    /// Builds a condition from words in postfix order; `None` if an operand is missing or more than one value is left.
     pub(crate) fn of_words(words: Vec<Word>) -> Option<Condition> {
         let left = words.iter().try_fold(0usize, |depth, word| {
             Some(depth.checked_sub(word.operands())? + 1)
@@ -195,7 +197,7 @@ impl Condition {
         (left == 1).then(|| Condition(words.into()))
     }
 
-    /// True if it needs no more room than there is.
+    /// True if the evaluation stack is deep enough for the condition.
     pub(crate) fn fits(&self) -> bool {
         let mut depth = 0usize;
         self.0.iter().all(|word| {
@@ -208,7 +210,7 @@ impl Condition {
         })
     }
 
-    /// What is known about it, given what is known about each fact.
+    /// Evaluates the condition; `know` returns the knowledge about each fact.
     pub(crate) fn truth(&self, know: impl Fn(CommandId, Fact) -> Truth) -> Truth {
         let mut stack = [Truth::NEVER; DEPTH];
         let mut top = 0;
@@ -228,7 +230,7 @@ impl Condition {
         stack[0]
     }
 
-    /// True if it can only become true once this command has ended.
+    /// True if the condition cannot become true before this command has ended.
     fn requires_end_of(&self, command: CommandId) -> bool {
         let know = |of: CommandId, fact: Fact| match fact {
             Fact::Export(_) => Truth::OPEN,
@@ -238,7 +240,7 @@ impl Condition {
         !self.truth(know).may_be_true()
     }
 
-    /// True if it can only become true once this command has had a cycle.
+    /// True if the condition cannot become true before the first cycle of this command.
     pub(crate) fn requires_begin_of(&self, command: CommandId) -> bool {
         let know = |of: CommandId, fact: Fact| match fact {
             _ if of != command => Truth::OPEN,
@@ -248,7 +250,7 @@ impl Condition {
         self.fits() && !self.truth(know).may_be_true()
     }
 
-    /// The commands that must have ended before it can be true, ascending.
+    /// The commands that must have ended before the condition can be true, in ascending order.
     pub(crate) fn requires(&self) -> Vec<CommandId> {
         if !self.fits() {
             return Vec::new();
@@ -260,7 +262,7 @@ impl Condition {
         all
     }
 
-    /// A command leaves the table: puts what is known about it for ever in the place of its facts.
+    /// Called when a command is removed from the table: replaces its facts by their final values.
     pub(crate) fn freeze(&mut self, gone: CommandId, know: impl Fn(Fact) -> Option<bool>) {
         for word in &mut self.0 {
             if let Word::Fact(command, fact) = *word
@@ -311,7 +313,7 @@ mod tests {
         Truth::now(false),
     ];
 
-    /// Every future of one truth: what it is now and what it may be later.
+    /// Present value and all possible later values of one `Truth`.
     fn futures(t: Truth) -> (Option<bool>, Vec<Option<bool>>) {
         let now = (t.0 & 3 != 0).then(|| t.is_true());
         let mut later = vec![now];

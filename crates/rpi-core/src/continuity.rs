@@ -1,41 +1,41 @@
-//! The guard at a switch: whether the first set-points of who takes over join those of who went before.
+//! Continuity check at a takeover: compares the first set-points of the successor with the last ones of its
+//! predecessor.
 
 use crate::command::Command;
 use rpi_image::image::Actuator;
 use rpi_prims::FaultCode;
 
-/// What happens if a set-point of a command that takes over does not join those before it within the limits of its device:
-/// position, velocity and acceleration by backward differences.
+/// Reaction to a discontinuous takeover. A takeover is continuous if position, velocity and acceleration, computed by
+/// backward differences, stay within the limits of the device.
 ///
-/// The differences reach over the switch in the first two cycles; these are looked at.
+/// Only the first two cycles are checked, because their differences reach back over the takeover.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
 pub enum Continuity {
-    /// The command that took over ends with a fault in that cycle. None of its set-points is handed over, and what moves is
-    /// stopped by its device.
+    /// The successor ends with a fault. None of its set-points is sent, and its moving devices are stopped.
     #[default]
     Refuse,
-    /// As refused, and everything else is stopped, too: for devices that must keep together.
+    /// As [`Continuity::Refuse`], and all other commands are aborted too. For devices that must move in step.
     Stop,
-    /// It is told and the set-point handed over; the device may still refuse it.
+    /// The discontinuity is reported and the set-point is sent. The device may still reject it.
     Allow,
 }
 
-/// Cycles in which differences up to the second reach over the switch.
+/// Number of cycles after a takeover in which differences up to second order reach back over it.
 pub(crate) const JOINING: u64 = 2;
 
 impl Command {
-    /// What happens if it takes over and does not join; [`Continuity::Refuse`] unless said.
+    /// Sets the reaction to a discontinuous takeover by this command. The default is [`Continuity::Refuse`].
     pub fn guard(&mut self, continuity: Continuity) {
         self.continuity = continuity;
     }
 
-    /// What happens if its first set-points do not join those before.
+    /// Reaction to a discontinuous takeover by this command.
     #[must_use]
     pub fn continuity(&self) -> Continuity {
         self.continuity
     }
 
-    /// Makes a set-point that does not join the fault of this cycle, unless that is allowed.
+    /// Raises a fault for a discontinuous set-point of this cycle, unless [`Continuity::Allow`] is set.
     pub(crate) fn watch_switch(&mut self) {
         let jump = self.machine.jump().map(Actuator::cell);
         if let Some(cell) = jump.filter(|_| self.continuity != Continuity::Allow) {

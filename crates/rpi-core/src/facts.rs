@@ -1,4 +1,4 @@
-//! What is known about a command, as conditions ask for it.
+//! Evaluation of facts about commands for the conditions of rules.
 
 use crate::command::{Cause, Command, Ending};
 use crate::commands::{Core, Entry};
@@ -8,8 +8,8 @@ use crate::lifecycle::State;
 use rpi_image::{Scalar, Type};
 
 impl Core {
-    /// What is known about a command now and what may become of it. A scheduled one that is not known to be live counts as
-    /// one that never runs.
+    /// Knowledge about a fact: its present value and its possible later values. A scheduled command that is not marked
+    /// as live counts as one that never runs.
     pub(crate) fn know(&self, id: CommandId, fact: Fact) -> Truth {
         match self.find(id).and_then(|place| self.entries[place].as_ref()) {
             Some(entry) => entry.know(fact),
@@ -30,7 +30,7 @@ impl Entry {
         }
     }
 
-    /// What remains to be said about it once it is no more: one that never ran has not ended.
+    /// Final value of a fact when the command is removed. A command that never ran counts as not ended.
     pub(crate) fn last_word(&self, fact: Fact) -> Option<bool> {
         match (fact, &self.command.ending) {
             (Fact::Export(index), Some(_)) => self.command.exported(index),
@@ -40,7 +40,7 @@ impl Entry {
         }
     }
 
-    /// True if a fact about its end cannot come true.
+    /// True if a fact about the end of the command can no longer become true.
     fn will_never_be(&self, fact: Fact) -> bool {
         match self.command.state {
             State::Scheduled => !self.live,
@@ -62,14 +62,15 @@ impl Entry {
 }
 
 impl Command {
-    /// An exported Boolean as it was at the end of the latest cycle; none before the first, or where the flow is absent or
-    /// no Boolean.
+    /// Value of an exported Boolean at the end of the latest cycle. `None` before the first cycle, while the flow is
+    /// absent, and for other types.
     #[must_use]
     pub fn exported(&self, index: u32) -> Option<bool> {
         *self.shown.get(index as usize)?
     }
 
-    /// Notes the exported Booleans of a cycle: what inputs are set to between two cycles must not show before the next.
+    /// Stores the exported Booleans at the end of a cycle. Inputs set between two cycles therefore do not affect
+    /// conditions before the next cycle.
     pub(crate) fn show(&mut self) {
         let exports = &self.machine.image().exports;
         for (shown, export) in self.shown.iter_mut().zip(exports) {
@@ -80,7 +81,7 @@ impl Command {
     }
 }
 
-/// Whether a fact is true of a command that has ended so.
+/// Whether a fact is true of a command with this ending.
 pub(crate) fn holds(fact: Fact, ending: &Ending) -> bool {
     match fact {
         Fact::Export(_) => false,

@@ -1,8 +1,8 @@
-//! Names of commands and rules.
+//! Ids of commands and rules.
 
 use alloc::vec::Vec;
 
-/// A command in the table. It is not used again for another command.
+/// Id of a command: a slot of the table and a serial number. Ids are not reused.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub struct CommandId {
     pub(crate) place: u32,
@@ -10,19 +10,20 @@ pub struct CommandId {
 }
 
 impl CommandId {
-    /// Its place in the table: less than the number of commands that the core has room for.
+    /// Index of the command's slot, less than the capacity of the core.
     #[must_use]
     pub const fn place(self) -> usize {
         self.place as usize
     }
 
-    /// As one number, for those who show it or send it.
+    /// The id as one number, for display and transmission: the serial number in the upper, the slot in the lower 32
+    /// bits.
     #[must_use]
     pub const fn number(self) -> u64 {
         (self.serial as u64) << 32 | self.place as u64
     }
 
-    /// The command of this number: see [`CommandId::number`].
+    /// The id encoded by [`CommandId::number`].
     #[must_use]
     pub const fn from_number(number: u64) -> CommandId {
         CommandId {
@@ -32,12 +33,12 @@ impl CommandId {
     }
 }
 
-/// A rule. It is not used again for another rule.
+/// Id of a rule. Ids are not reused.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub struct RuleId(pub u64);
 
-/// Gives out the places of a table, for whoever loads commands beside the cycle: so a command has its name before it
-/// arrives, and requests that name it can follow in the same queue.
+/// Allocator of command slots, for the thread that loads commands. A command has its id before it reaches the cycle, so
+/// later requests in the same queue can refer to it.
 #[derive(Clone, Debug)]
 pub struct Places {
     free: Vec<u32>,
@@ -46,7 +47,7 @@ pub struct Places {
 }
 
 impl Places {
-    /// All places of a table for so many commands.
+    /// An allocator with all slots of a table for `commands` commands free.
     #[must_use]
     pub fn new(commands: usize) -> Self {
         let commands = u32::try_from(commands).unwrap_or(u32::MAX);
@@ -57,7 +58,7 @@ impl Places {
         }
     }
 
-    /// A name for a new command; none if all places are taken.
+    /// Allocates an id for a new command; `None` if all slots are occupied.
     pub fn take(&mut self) -> Option<CommandId> {
         let place = self.free.pop()?;
         self.serial = self.serial.wrapping_add(1);
@@ -67,18 +68,18 @@ impl Places {
         })
     }
 
-    /// The command has come back from the cycle: its place is free again.
+    /// Frees the slot of a command that has left the cycle.
     pub fn give_back(&mut self, id: CommandId) {
         self.free.push(id.place);
     }
 
-    /// A name for a new rule.
+    /// Allocates an id for a new rule.
     pub fn rule(&mut self) -> RuleId {
         self.rules += 1;
         RuleId(self.rules)
     }
 
-    /// How many commands can still be taken in.
+    /// Number of free slots.
     #[must_use]
     pub fn left(&self) -> usize {
         self.free.len()

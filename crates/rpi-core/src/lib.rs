@@ -1,20 +1,21 @@
-//! The control core: loading, the cycle, commands that follow one another without a gap.
+//! The control core: loads commands, runs their cycles, and switches between them without a gap.
 //!
-//! - [`Machine`] runs one image: its phases are the phases of a cycle, and [`Machine::step`] is one step of evaluation.
-//! - [`Command`] is a machine with a life: [`State`], results, errors, the actuators that it holds.
-//! - [`Rule`] says when which commands are stopped, cancelled and started: by results, errors and exported Booleans.
-//! - [`Core`] runs all commands that are due in a tick and decides once per tick what comes next.
+//! - [`Machine`] runs one image: its methods are the phases of a cycle, and [`Machine::step`] is one evaluation step.
+//! - [`Command`] is a machine with a lifecycle: [`State`], results, errors, held resources.
+//! - [`Rule`] stops, cancels and starts commands when a condition over results, errors and exported Booleans is true.
+//! - [`Core`] runs all commands that are due in a tick, and fires rules once per tick.
 //!
-//! # Using it
+//! # Usage
 //!
-//! Beside the cycle: [`Command::load`] an image, give it a name with [`Places`], make [`Rule`]s. Between two ticks, on the
-//! cycle's thread: [`Core::insert_as`], [`Core::start`], [`Core::schedule`], [`Core::cancel`], [`Core::abort`],
-//! [`Core::remove`], inputs by [`Core::command_mut`]; each takes effect at once or is [`Refused`] with the reason. After
-//! each tick: [`Core::next_notice`] tells what happened, [`Core::take_gone`] and [`Core::take_spent`] give back what is over,
-//! to be freed beside the cycle. The rules that hold are numbered in the book's chapter on the control core.
+//! Outside the cycle: [`Command::load`] an image, allocate an id from [`Places`], build [`Rule`]s. Between two ticks,
+//! on the thread of the cycle: [`Core::insert_as`], [`Core::start`], [`Core::schedule`], [`Core::cancel`],
+//! [`Core::abort`], [`Core::remove`], and inputs through [`Core::command_mut`]. Each request takes effect at once or is
+//! rejected with a reason ([`Refused`]). After each tick: [`Core::next_notice`] returns events; [`Core::take_gone`] and
+//! [`Core::take_spent`] return finished commands and rules, to be freed outside the cycle. The invariants are numbered
+//! in the manual's chapter on the control core.
 //!
-//! Loading and making rules allocate; nothing else does. No lock, no wait, no text and no unbounded loop is reachable from a
-//! tick. This crate must not know a compiler, a file, a clock or a thread: devices and time are lent to it for each tick.
+//! Only loading and building rules allocate. A tick reaches no lock, no wait, no text processing and no unbounded loop.
+//! This crate does not depend on a compiler, files, clocks or threads: devices and time are passed to each tick.
 #![no_std]
 
 extern crate alloc;

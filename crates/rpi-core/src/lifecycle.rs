@@ -1,4 +1,4 @@
-//! The life of a command: one table of states and events.
+//! Lifecycle of a command as a table of states and events.
 //!
 //! | from | event | to |
 //! |---|---|---|
@@ -14,61 +14,61 @@
 //! | Cancelling | Cancel | Cancelling |
 //! | Running, Cancelling | End | Terminated |
 //!
-//! Everything else is refused and changes nothing.
+//! Every other pair is rejected and changes nothing.
 
-/// Where a command is in its life.
+/// Lifecycle state of a command.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum State {
-    /// Memory and devices are being prepared, off the cycle.
+    /// Memory and devices are being prepared outside the cycle.
     Loading,
-    /// It cannot run here; the reasons are known.
+    /// The image cannot run in this cell; the reasons are known.
     Rejected,
-    /// It can be started or scheduled. It holds nothing.
+    /// The command can be started or scheduled. It holds no resources.
     Ready,
-    /// It waits for a rule to fire, and holds what was free of what it needs.
+    /// The command waits for a rule to fire. It holds those of its resources that were free.
     Scheduled,
-    /// It runs in every cycle that is due.
+    /// The command runs in every cycle that is due.
     Running,
-    /// It runs and sees `cancel`.
+    /// The command runs and sees `cancel`.
     Cancelling,
-    /// It has ended; result, error and cause are known.
+    /// The command has ended; its result, error and cause are known.
     Terminated,
 }
 
-/// What can happen to a command.
+/// Event in the life of a command.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum Event {
     /// Loading has succeeded.
     Loaded,
-    /// Loading has found faults.
+    /// Loading has found errors.
     Faulty,
-    /// It is started, and all its resources are free.
+    /// A start request; all needed resources are free.
     Start,
-    /// A rule names it, and its resources are free or come from those who end before.
+    /// A rule that starts the command is added; its resources are free or come from its predecessors.
     Schedule,
-    /// Its rule fires.
+    /// A rule that starts the command fires.
     Fire,
-    /// Nothing can start it any more.
+    /// Nothing can start the command any more.
     Orphan {
-        /// Its owner wants it back as it is.
+        /// The command becomes ready again instead of being removed.
         kept: bool,
     },
-    /// It is asked to end.
+    /// A cancel request.
     Cancel,
-    /// A result, an abort, a fault, a stop by a rule.
+    /// A result, an abort, a fault or a stop by a rule.
     End,
-    /// Its owner lets go of it.
+    /// The owner unloads the command.
     Unload,
 }
 
-/// What an event leads to.
+/// Outcome of an event.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Next {
-    /// This state.
+    /// The command enters this state.
     To(State),
-    /// The command is no more; it is freed off the cycle.
+    /// The command is removed; it is freed outside the cycle.
     Gone,
-    /// Nothing: the event does not fit the state.
+    /// The event is not allowed in this state; nothing changes.
     Refused,
 }
 
@@ -84,7 +84,7 @@ impl State {
         State::Terminated,
     ];
 
-    /// The transition function.
+    /// Transition function of the lifecycle.
     #[must_use]
     pub const fn next(self, event: Event) -> Next {
         match (self, event) {
@@ -105,7 +105,7 @@ impl State {
         }
     }
 
-    /// True while it takes part in cycles.
+    /// True while the command takes part in cycles.
     #[must_use]
     pub const fn runs(self) -> bool {
         matches!(self, State::Running | State::Cancelling)
@@ -129,8 +129,8 @@ mod tests {
         Event::Unload,
     ];
 
-    /// One row per state, one letter per event in the order above: the first letter of the next state (`C` for
-    /// Cancelling, `L` never), `-` for gone, `.` for refused.
+    /// One row per state and one letter per event, in the order of the enum. A letter is the initial of the next state
+    /// (`C` for Cancelling, `L` never), `-` is gone, `.` is rejected.
     const TABLE: [(State, &str); 7] = [
         (State::Loading, "DJ........"),
         (State::Rejected, ".........-"),

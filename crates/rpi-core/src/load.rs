@@ -1,4 +1,4 @@
-//! Loading: every reason why an image cannot run here, not only the first.
+//! Load errors: all reasons why an image cannot run in a cell, not only the first.
 
 use core::fmt;
 use rpi_device::{DeviceBank, PortId, PortKind, PortName, ResolveError};
@@ -9,20 +9,20 @@ use rpi_prims::PrimId;
 use alloc::string::String;
 use alloc::vec::Vec;
 
-/// Why an image was not loaded.
+/// Error when loading an image.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum LoadFault {
-    /// The image does not hold what it must hold.
+    /// The image is malformed.
     Broken(VerifyError),
-    /// The cell has no such device.
+    /// Unknown device in this cell.
     Device(String),
-    /// The device has no such port.
+    /// Unknown port of a device.
     Port {
-        /// `device.port[index]: type`.
+        /// The port as `device.port[index]: type`.
         port: String,
-        /// What it is used for.
+        /// Use of the port: sensor, actuator or function.
         kind: PortKind,
-        /// What the cell says.
+        /// The error reported by the cell.
         error: ResolveError,
     },
 }
@@ -30,15 +30,15 @@ pub enum LoadFault {
 impl fmt::Display for LoadFault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            LoadFault::Broken(error) => write!(f, "broken image: {error}"),
+            LoadFault::Broken(error) => write!(f, "invalid image: {error}"),
             LoadFault::Device(device) => write!(f, "the cell has no device `{device}`"),
             LoadFault::Port { port, kind, error } => {
                 let reason = match error {
-                    // Told as a fault of its own.
+                    // Reported as `LoadFault::Device`, so this arm is not reached.
                     ResolveError::NoDevice => "the cell has no such device",
                     ResolveError::NoPort => "the device has no such port",
-                    ResolveError::NoIndex => "the device has not so many",
-                    ResolveError::WrongType => "the device has it of another kind, type or size",
+                    ResolveError::NoIndex => "the index is out of range",
+                    ResolveError::WrongType => "the device's port has another kind, type or size",
                 };
                 let kind = match kind {
                     PortKind::Sensor => "sensor",
@@ -53,18 +53,18 @@ impl fmt::Display for LoadFault {
 
 impl core::error::Error for LoadFault {}
 
-/// The declarations of this build, as the verifier asks for them.
+/// Declaration of a primitive of this build by its name, for the verifier.
 #[must_use]
 pub fn catalogue(name: &str) -> Option<&'static PrimDesc> {
     PrimId::of(name).map(PrimId::desc)
 }
 
-/// Verifies an image.
+/// Verifies an image and returns all verification errors.
 pub(crate) fn check(image: &Image) -> Result<(), Vec<LoadFault>> {
     verify(image, &catalogue).map_err(|e| e.into_iter().map(LoadFault::Broken).collect())
 }
 
-/// Resolves a name, or notes why not and gives a port that is never used.
+/// Resolves a port name. Records an error and returns an invalid id if the port does not exist.
 pub(crate) fn resolve(
     bank: &mut dyn DeviceBank,
     faults: &mut Vec<LoadFault>,
@@ -81,7 +81,7 @@ pub(crate) fn resolve(
                     error,
                 },
             };
-            // One missing device would else be told for each of its ports.
+            // Without this check a missing device would be reported once for each of its ports.
             if !faults.contains(&fault) {
                 faults.push(fault);
             }

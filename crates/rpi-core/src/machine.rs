@@ -1,4 +1,4 @@
-//! One image running: memory, and the phases of a cycle.
+//! A running image: its memory and the phases of its cycle.
 
 use crate::load::{LoadFault, check};
 use crate::ports::Ports;
@@ -14,29 +14,29 @@ use alloc::sync::Arc;
 use alloc::vec;
 use alloc::vec::Vec;
 
-/// What a command is told at the start of a cycle.
+/// Inputs from the core to a command for one cycle.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct Moment {
     /// Logical time of this cycle, nanoseconds since the Unix epoch.
     pub net_ns: i64,
-    /// The machine's clock at the start of the cycle, nanoseconds since the Unix epoch.
+    /// Wall-clock time at the start of the cycle, nanoseconds since the Unix epoch.
     pub wall_ns: i64,
     /// True once a cancel was requested.
     pub cancel: bool,
-    /// True if a successor is scheduled that covers every actuator which may be moving.
+    /// True if a successor is scheduled that takes over every moving actuator.
     pub takeover: bool,
-    /// Identity of the predecessor's result.
+    /// Identity of the predecessor's result; see `rpi_image::hash::result_id`.
     pub predecessor: Option<i64>,
 }
 
-/// How a command asks to end.
+/// The way in which a command ends after a cycle.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Verdict {
-    /// By the named result of this index.
+    /// The named result with this index.
     Result(usize),
-    /// By its ports `terminate` and `fail`: with this error number, 0 for none.
+    /// The ports `terminate` and `fail`, with the error number of `fail`; 0 for none.
     Terminate(i64),
-    /// By a fault.
+    /// A fault.
     Fault(Fault),
 }
 
@@ -46,7 +46,7 @@ pub struct Machine {
     cells: Box<[u64]>,
     steps: Program,
     commit: Program,
-    /// For each fragment its part of [`Image::init`].
+    /// For each fragment, its range in [`Image::init`].
     init: Box<[Cells]>,
     weight: Weight,
     ports: Ports,
@@ -56,10 +56,10 @@ pub struct Machine {
 }
 
 impl Machine {
-    /// Verifies an image, resolves its devices and gives it its memory.
+    /// Verifies an image, resolves its devices and allocates its memory.
     ///
     /// # Errors
-    /// Every reason why it cannot run here.
+    /// Returns every reason why the image cannot run in this cell.
     pub fn load(
         image: impl Into<Arc<Image>>,
         bank: &mut dyn DeviceBank,
@@ -94,7 +94,7 @@ impl Machine {
         Ok(machine)
     }
 
-    /// As after loading.
+    /// Restores the state after loading.
     pub fn reset(&mut self) {
         self.cells.fill(0);
         for &(cell, bits) in &self.image.init {
@@ -105,24 +105,24 @@ impl Machine {
         self.fault = None;
     }
 
-    /// What it runs.
+    /// The loaded image.
     #[must_use]
     pub fn image(&self) -> &Arc<Image> {
         &self.image
     }
 
-    /// Number of the current cycle, or of the next one between cycles.
+    /// Number of the current cycle, from 0; between cycles, the number of the next one.
     #[must_use]
     pub fn cycle(&self) -> u64 {
         self.cycle
     }
 
-    /// The actuators (resources) that it holds, ascending.
+    /// Resources (actuators) that the image needs, in ascending order.
     pub fn held(&self) -> impl Iterator<Item = u32> + '_ {
         self.ports.held()
     }
 
-    /// Bytes of memory that it takes beside its image: cells and steps.
+    /// Memory of the machine without its image, in bytes: slots and resolved steps.
     #[must_use]
     pub fn memory(&self) -> usize {
         size_of_val(&*self.cells)
@@ -133,19 +133,19 @@ impl Machine {
             + size_of_val(&*self.init)
     }
 
-    /// Bytes of memory that it takes with its image.
+    /// Memory of the machine with its image, in bytes.
     #[must_use]
     pub fn footprint(&self) -> usize {
         self.memory() + self.image.footprint()
     }
 
-    /// The first fault of this cycle.
+    /// The first fault of the current cycle.
     #[must_use]
     pub fn fault(&self) -> Option<Fault> {
         self.fault
     }
 
-    /// First phase: latches sensors and the flows that the core provides.
+    /// Phase 1: latches the sensors and the flows that the core provides.
     pub fn read(&mut self, bank: &mut dyn DeviceBank, moment: &Moment) {
         self.clock = Clock {
             cycle: self.cycle,
@@ -165,7 +165,7 @@ impl Machine {
         }
     }
 
-    /// Second phase: every active primitive once, in dependency order.
+    /// Phase 2: runs every active primitive once, in dependency order.
     pub fn evaluate(&mut self, bank: &mut dyn DeviceBank) {
         let mut cx = cx(&mut self.cells, self.clock, bank, self.fault);
         let (image, init) = (&*self.image, &*self.init);
@@ -176,7 +176,7 @@ impl Machine {
         self.fault = cx.fault;
     }
 
-    /// One step of the second phase, for whoever looks closely: gives the next step.
+    /// Runs a single step of phase 2, for tests and debuggers. Returns the index of the next step.
     pub fn step(&mut self, pc: usize, bank: &mut dyn DeviceBank) -> usize {
         if pc >= self.steps.ops.len() {
             return pc;
@@ -188,7 +188,7 @@ impl Machine {
         next
     }
 
-    /// Third phase: what `pre` will give in the next cycle.
+    /// Phase 3: stores the values that `pre` returns in the next cycle.
     pub fn commit(&mut self) {
         let mut pc = 0;
         while let Some(op) = self.commit.ops.get(pc) {
@@ -203,8 +203,9 @@ impl Machine {
         }
     }
 
-    /// Fourth phase: all set-points to the devices; after a fault none, and what moves is stopped.
-    /// False if an actuator moved and got no set-point: it was stopped.
+    /// Phase 4: sends all set-points to the devices. After a fault it sends none and stops what is moving.
+    ///
+    /// Returns false if a moving actuator had no set-point and was stopped.
     pub fn hand_over(&mut self, bank: &mut dyn DeviceBank) -> bool {
         self.cycle += 1;
         if self.fault.is_some() {
@@ -214,36 +215,36 @@ impl Machine {
         self.ports.hand_over(bank)
     }
 
-    /// Makes the missing or refused set-point the fault of this cycle.
+    /// Raises the fault for a missing or rejected set-point.
     pub(crate) fn lose_control(&mut self) {
         let (code, actuator) = self.ports.loss();
         let actuator = actuator.and_then(|k| self.image.actuators.get(k));
         self.fail(code, actuator.map_or(0, Actuator::cell));
     }
 
-    /// Lets the first set-points be held against those of who went before.
+    /// Enables the continuity check for the first set-points after a takeover.
     pub(crate) fn join(&mut self) {
         self.ports.joins = true;
     }
 
-    /// The set-point of this cycle that does not join, if there is one: by its actuator.
+    /// The actuator port whose set-point is discontinuous in this cycle.
     pub(crate) fn jump(&self) -> Option<&Actuator> {
         let (actuator, _) = self.ports.jump?;
         self.image.actuators.get(actuator)
     }
 
-    /// As [`Machine::jump`], asked once: what does not join.
+    /// Takes the discontinuity of this cycle, so that it is reported once.
     pub(crate) fn take_jump(&mut self) -> Option<Jump> {
         self.ports.jump.take().map(|(_, jump)| jump)
     }
 
-    /// Makes this the fault of this cycle if there is none yet.
+    /// Raises a fault in this cycle unless there is one already.
     pub(crate) fn fail(&mut self, code: FaultCode, cell: u32) {
         self.fault.get_or_insert(Fault { code, cell });
     }
 
-    /// Last phase: whether and how it ends with this cycle. `covered` tells for each result whether a successor is
-    /// scheduled for it; a `yield` without one is passed over.
+    /// Phase 5: whether and how the command ends with this cycle. `covered` holds for each result whether a successor
+    /// takes over; a `yield` without a successor is ignored.
     #[must_use]
     pub fn verdict(&self, covered: &[bool]) -> Option<Verdict> {
         if let Some(fault) = self.fault {
@@ -257,6 +258,7 @@ impl Machine {
                         (r.kind == EndKind::Fail) == fail && may && self.is_true(r.condition)
                     })
                 };
+                // A `fail` takes precedence over other results of the same cycle, wherever it is in the text.
                 asks(true).or_else(|| asks(false)).map(Verdict::Result)
             }
             End::Ports { terminate, fail } => {
@@ -269,7 +271,7 @@ impl Machine {
         }
     }
 
-    /// The value of a flow of the root fragment, or of a fragment that is active; none where it is absent.
+    /// Value of a flow; `None` if it is absent. The flow must belong to an active fragment.
     #[must_use]
     pub fn value(&self, signal: Signal) -> Option<&[u64]> {
         let present = self
@@ -279,7 +281,7 @@ impl Machine {
         self.cells.get(signal.cells().range()).filter(|_| present)
     }
 
-    /// True if a fragment and all that enclose it were active in this cycle.
+    /// True if a fragment and all fragments around it were active in this cycle.
     #[must_use]
     pub fn is_active(&self, fragment: u32) -> bool {
         let mut at = Some(fragment);
@@ -292,23 +294,24 @@ impl Machine {
         true
     }
 
-    /// The most that it may have to do in a cycle, in elementary operations (a real addition is 1), if its primitives do no more than
-    /// `primitives`; nothing is known of them here but their sum.
+    /// Upper bound of the work per cycle, in elementary operations (a real addition is 1). `primitives` is a known
+    /// bound for all primitives together; without it, all fragments count as active.
     #[must_use]
     pub fn work(&self, primitives: Option<u64>) -> u64 {
         let known = primitives.unwrap_or(u64::MAX).min(self.weight.primitives);
         known.saturating_add(self.weight.around)
     }
 
-    /// Of the fragments that were active in this cycle the one with the most work of its own.
+    /// The fragment active in this cycle with the most work of its own. Nested fragments count separately.
     #[must_use]
     pub fn busiest(&self) -> u32 {
         let mut heaviest = self.weight.heaviest.iter().copied();
         heaviest.find(|f| self.is_active(*f)).unwrap_or(0)
     }
 
-    /// Overwrites a flow, or makes it absent: what a test or a replay puts in place of a computed value.
-    /// False if it does not fit: another length, or absent where it cannot be.
+    /// Overwrites a flow, or makes it absent with `None`. Tests and replays inject values this way.
+    ///
+    /// Returns false if the length differs or the flow cannot be absent.
     pub fn force(&mut self, signal: Signal, value: Option<&[u64]>) -> bool {
         if let Some(value) = value {
             let cells = self.cells.get_mut(signal.cells().range());
@@ -325,7 +328,8 @@ impl Machine {
         true
     }
 
-    /// Sets an input between cycles; `net_ns` is the logical time of the update.
+    /// Sets an input between two cycles; `net_ns` is the logical time of the update. Returns false if the index or the
+    /// length is wrong.
     pub fn set_input(&mut self, index: usize, value: &[u64], net_ns: i64) -> bool {
         let Some(input) = self.image.inputs.get(index) else {
             return false;
@@ -338,7 +342,7 @@ impl Machine {
         fits
     }
 
-    /// Makes an input one that has not been set: if it may be absent, it is.
+    /// Marks an input as never set. An input that may be absent becomes absent.
     pub fn clear_input(&mut self, index: usize) {
         let input = self.image.inputs.get(index);
         if let Some(updated) = input.and_then(|input| input.updated) {
@@ -365,7 +369,7 @@ fn cx<'a>(
     }
 }
 
-/// Runs one step and gives the next.
+/// Runs one step and returns the index of the next.
 #[inline(always)]
 fn step(
     pc: usize,
@@ -398,18 +402,18 @@ fn restore(cells: &mut [u64], state: Cells, init: &[(u32, u64)]) {
     }
 }
 
-/// The initial contents that lie in a fragment's state.
+/// Range of the image's initial values that lie in a fragment's state.
 fn init_of(image: &Image, fragment: &Fragment) -> Cells {
     let before = |cell: u32| image.init.partition_point(|i| i.0 < cell);
     let (start, end) = (before(fragment.state.at), before(fragment.state.end()));
-    // Cells are fewer than 2^32, and initial contents fewer than cells.
+    // There are fewer than 2^32 slots, and fewer initial values than slots.
     Cells {
         at: start as u32,
         len: (end - start) as u32,
     }
 }
 
-/// Ticks since the first cycle.
+/// Number of ticks since the first cycle.
 fn elapsed(clock: Clock) -> i64 {
     clock.cycle.saturating_mul(clock.ticks).cast_signed()
 }

@@ -1,8 +1,9 @@
-//! Which commands a rule speaks of, as a set that is looked at in a few instructions.
+//! A fixed-size set of commands with fast membership tests, to skip rules that do not mention a command.
 
 use crate::id::CommandId;
 
-/// A set of commands by their places. It may hold more than was put in: places that are equal in their lowest bits count as one.
+/// A set of commands by slot, like a Bloom filter with one hash: slots that are equal modulo 256 coincide. It may
+/// report too many members, but never too few.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub(crate) struct Names([u64; Names::WORDS]);
 
@@ -14,12 +15,12 @@ impl Names {
         self.0[place / 64] |= 1 << (place % 64);
     }
 
-    /// False only if there is nothing in both.
+    /// True if the sets may have a common member; false only if they are disjoint.
     pub(crate) fn meets(&self, other: &Names) -> bool {
         self.0.iter().zip(other.0).any(|(a, b)| a & b != 0)
     }
 
-    /// What is in one of them.
+    /// Union of two sets.
     pub(crate) fn with(&self, other: &Names) -> Names {
         Names(core::array::from_fn(|k| self.0[k] | other.0[k]))
     }

@@ -1,4 +1,4 @@
-//! What happened, in order, until somebody asks: a bounded log inside of the core.
+//! Notices: a bounded log of events in the core.
 
 use crate::command::Ending;
 use crate::commands::Refused;
@@ -9,80 +9,80 @@ use rpi_device::Jump;
 use alloc::boxed::Box;
 use alloc::vec;
 
-/// Something that happened to a command or a rule.
+/// An event in the life of a command or a rule.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum Notice {
-    /// A rule that may start a command was made, and it was ready before.
+    /// A ready command was scheduled by a new rule.
     Scheduled {
-        /// Which.
+        /// The command.
         command: CommandId,
     },
-    /// A command is asked to end.
+    /// A command was cancelled.
     Cancelling {
-        /// Which.
+        /// The command.
         command: CommandId,
     },
-    /// A command runs; its first cycle is this tick.
+    /// A command was started.
     Started {
-        /// Which.
+        /// The command.
         command: CommandId,
-        /// When.
+        /// Tick of its first cycle.
         tick: u64,
     },
-    /// A command has ended; `tick` is that of its last cycle, or the next one if it ended between two.
+    /// A command has ended.
     Ended {
-        /// Which.
+        /// The command.
         command: CommandId,
-        /// When.
+        /// Tick of its last cycle, or the next tick if it ended between two ticks.
         tick: u64,
-        /// How.
+        /// Cause, error number and circumstances.
         ending: Ending,
     },
-    /// Nothing can start a scheduled command any more: it is ready again if it was to be kept, otherwise it is gone and
-    /// can be taken out.
+    /// Nothing can start a scheduled command any more. It is ready again if it was to be kept; otherwise it can be
+    /// taken out with [`crate::Core::take_gone`].
     Orphaned {
-        /// Which.
+        /// The command.
         command: CommandId,
-        /// It is ready again.
+        /// The command is ready again.
         kept: bool,
     },
-    /// A command has left an actuator in motion: its device brakes on its own.
+    /// An ended command has left an actuator in motion, and its device brakes.
     Braked {
-        /// Who left it.
+        /// The command that ended.
         command: CommandId,
-        /// The actuator.
+        /// The resource (actuator).
         resource: u32,
-        /// When, as its end.
+        /// Tick of the end, as in [`Notice::Ended`].
         tick: u64,
     },
-    /// The first set-points of a command that took over do not join those before.
+    /// The first set-points after a takeover are discontinuous.
     Jumped {
-        /// Who took over.
+        /// The command that took over.
         command: CommandId,
-        /// Where, and by how much.
+        /// Place and size of the discontinuity.
         jump: Jump,
     },
-    /// A rule is over.
+    /// A rule was removed.
     Rule {
-        /// Which.
+        /// The rule.
         rule: RuleId,
-        /// How.
+        /// The reason for the removal.
         outcome: Outcome,
     },
 }
 
-/// What became of a rule.
+/// Outcome of a rule.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Outcome {
-    /// It has fired.
+    /// The rule has fired.
     Fired,
-    /// Its condition came true, but what it was to start could not be; nothing was done.
+    /// The condition was true, but a command could not be started. The rule had no effect.
     Failed(Refused),
-    /// It can no longer fire, or was withdrawn.
+    /// The rule could no longer fire, or was withdrawn.
     Dropped,
 }
 
-/// A ring of notices.
+/// Ring buffer of notices.
 pub(crate) struct Notices {
     ring: Box<[Option<Notice>]>,
     first: usize,
@@ -102,6 +102,8 @@ impl Notices {
 
     pub(crate) fn push(&mut self, notice: Notice) {
         if self.len == self.ring.len() {
+            // Keeps the oldest notices, so that a slow reader still sees a prefix in order; the rest is counted in
+            // `lost`.
             self.lost += 1;
             return;
         }

@@ -1,6 +1,7 @@
-//! Cycles of a command that take too long: how often, which was the worst, where in the program, and what becomes of it.
+//! Overruns: cycles of a command that take too long, their statistics and the reaction to them.
 //!
-//! The core knows no clock. Whoever has one says after a tick that it has ended too late, and which command took the longest.
+//! The core has no clock. The caller measures time and reports an overrun after a tick, with the command that took the
+//! longest.
 
 use core::fmt;
 use core::str::FromStr;
@@ -10,19 +11,19 @@ use crate::commands::Core;
 use crate::id::CommandId;
 use rpi_device::DeviceBank;
 
-/// What becomes of a command whose cycles take too long. They are counted in any case.
+/// Reaction to overruns of a command. Overruns are counted in any case.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum OnOverrun {
-    /// Nothing.
+    /// Only counts.
     #[default]
     Count,
-    /// It is ended once it was so often; its devices stop on their own. Others run on.
+    /// Aborts the command when the threshold is reached. Its devices stop on their own; other commands continue.
     Abort(Often),
-    /// All commands are ended once it was so often, for devices that must keep together.
+    /// Aborts all commands when the threshold is reached. For devices that must move in step.
     Stop(Often),
 }
 
-/// So many of the last so many cycles.
+/// Threshold: a number of overruns within a number of latest cycles.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Often {
     overruns: u32,
@@ -30,27 +31,27 @@ pub struct Often {
 }
 
 impl Often {
-    /// Cycles that can be looked back on.
+    /// Maximum number of cycles in the window.
     pub const LONGEST: u32 = 64;
 
-    /// At once.
+    /// The first overrun.
     pub const FIRST: Often = Often { overruns: 1, of: 1 };
 
-    /// `overruns` of `of` cycles: at least 1, at most all of them, of [`Often::LONGEST`] at most.
+    /// A threshold of `overruns` within `of` cycles; `None` unless 1 <= `overruns` <= `of` <= [`Often::LONGEST`].
     #[must_use]
     pub fn new(overruns: u32, of: u32) -> Option<Often> {
         let sound = (1..=of).contains(&overruns) && of <= Often::LONGEST;
         sound.then_some(Often { overruns, of })
     }
 
-    /// Whether it was so often; the latest cycle is the lowest bit.
+    /// True if the threshold is reached. Bit 0 of `history` is the latest cycle; a set bit is an overrun.
     #[must_use]
     pub fn is_reached(self, history: u64) -> bool {
         let latest = history & (u64::MAX >> (Often::LONGEST - self.of));
         latest.count_ones() >= self.overruns
     }
 
-    /// What stands behind a policy's name: nothing for the first, or `:N/M`.
+    /// Parses the suffix of a policy: empty for the first overrun, or `:N/M`.
     #[must_use]
     pub fn after(text: &str) -> Option<Often> {
         if text.is_empty() {
@@ -67,7 +68,7 @@ impl fmt::Display for Often {
     }
 }
 
-/// No policy has this name.
+/// Error: unknown overrun policy.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct NoPolicy;
 
@@ -86,7 +87,8 @@ impl core::error::Error for NoPolicy {}
 impl FromStr for OnOverrun {
     type Err = NoPolicy;
 
-    /// `count`, `abort` (at the first one), `abort:3/10` (at the third of ten cycles), `stop` and `stop:3/10` alike.
+    /// Parses `count`, `abort` (at the first overrun), `abort:3/10` (at the third within ten cycles), `stop` or
+    /// `stop:3/10`.
     fn from_str(text: &str) -> Result<Self, NoPolicy> {
         if text == "count" {
             return Ok(OnOverrun::Count);
@@ -107,33 +109,33 @@ impl fmt::Display for OnOverrun {
     }
 }
 
-/// A cycle that took too long.
+/// One overrun.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Overrun {
-    /// Its tick.
+    /// Tick of the overrun.
     pub tick: u64,
-    /// How long the command computed, nanoseconds.
+    /// Computing time of the command, nanoseconds.
     pub took_ns: u64,
-    /// By how much the tick ended too late, nanoseconds.
+    /// Lateness of the end of the tick, nanoseconds.
     pub late_ns: u64,
-    /// Where it was at work, as an index into the image's fragments: of those that were active the one with the most work of its own.
+    /// Index of the active fragment with the most work of its own: the probable place of the overrun.
     pub fragment: u32,
 }
 
-/// The cycles of a command that took too long.
+/// Overrun statistics of a command.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Overruns {
-    /// How many there were.
+    /// Number of overruns.
     pub count: u64,
-    /// The longest of them.
+    /// The overrun with the longest computing time.
     pub worst: Option<Overrun>,
-    /// The last cycles, the latest in the lowest bit, up to the cycle of this number.
+    /// Overruns of the latest 64 cycles as a bit set; bit 0 is cycle `upto`.
     history: u64,
     upto: u64,
 }
 
 impl Overruns {
-    /// Takes in that the cycle of this number was too long. What lies between it and the one before was in time.
+    /// Records an overrun in the cycle with this number. Cycles since the previous overrun were in time.
     fn note(&mut self, cycle: u64, overrun: Overrun) {
         let since = u32::try_from(cycle.saturating_sub(self.upto)).unwrap_or(u32::MAX);
         self.history = self.history.checked_shl(since).unwrap_or(0) | 1;
@@ -146,18 +148,18 @@ impl Overruns {
 }
 
 impl Command {
-    /// What becomes of it if its cycles take too long; [`OnOverrun::Count`] unless said.
+    /// Sets the reaction to overruns. The default is [`OnOverrun::Count`].
     pub fn bound_overruns(&mut self, policy: OnOverrun) {
         self.on_overrun = policy;
     }
 
-    /// What becomes of it if its cycles take too long.
+    /// Reaction to overruns.
     #[must_use]
     pub fn on_overrun(&self) -> OnOverrun {
         self.on_overrun
     }
 
-    /// Its cycles that took too long.
+    /// Overrun statistics.
     #[must_use]
     pub fn overruns(&self) -> &Overruns {
         &self.overruns
@@ -165,8 +167,9 @@ impl Command {
 }
 
 impl Core {
-    /// The tick that is over has ended `late_ns` nanoseconds after the next one was due, and this command took the longest in
-    /// it, `took_ns`: it is counted, and ended if its policy says so. True if all commands are to be ended.
+    /// Reports an overrun of the last tick and applies the command's policy. The tick ended `late_ns` nanoseconds after
+    /// the next one was due; `id` is the command that took the longest, `took_ns` nanoseconds. Returns true if all
+    /// commands are to be aborted.
     pub fn overran(
         &mut self,
         id: CommandId,
@@ -187,7 +190,7 @@ impl Core {
         let history = command.overruns.history;
         match command.on_overrun {
             OnOverrun::Abort(often) if often.is_reached(history) => {
-                // Who has ended in that cycle takes no more time.
+                // The abort fails if the command ended in that cycle; then it takes no more time anyway.
                 let _ = self.abort(id, Why::Overrun, bank);
                 false
             }
@@ -230,7 +233,7 @@ mod tests {
             overruns.note(cycle, overrun(5));
             often.is_reached(overruns.history)
         };
-        // Cycles 1 and 4, 4 and 7 lie too far apart; 7 and 9 do not.
+        // Cycles 1 and 4, 4 and 7 are too far apart; 7 and 9 are not.
         assert_eq!([1, 4, 7, 9].map(&mut reached), [false, false, false, true]);
         assert!(!reached(1 << 40));
         assert_eq!(overruns.count, 5);

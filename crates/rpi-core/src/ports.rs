@@ -1,4 +1,4 @@
-//! The device ports of a command: sensors, actuators with their staged set-points, functions.
+//! Device ports of a command: sensors, actuators with staged set-points, functions.
 
 use crate::continuity::JOINING;
 use crate::load::{LoadFault, resolve};
@@ -12,50 +12,51 @@ use alloc::vec;
 use alloc::vec::Vec;
 use core::ops::Range;
 
-/// Resolved ports, and the buffer in which set-points and arguments are put together.
+/// Resolved device ports, and the buffer in which set-points and arguments are assembled.
 pub(crate) struct Ports {
     sensors: Box<[PortId]>,
     functions: Box<[PortId]>,
     actuators: Box<[Set]>,
     held: Box<[Held]>,
     buffer: Box<[u64]>,
-    /// Its first set-points follow those of another command.
+    /// The command has taken over, so the continuity of its first set-points is checked.
     pub(crate) joins: bool,
-    /// The first set-point of this cycle that does not join, with its actuator.
+    /// The first discontinuous set-point of this cycle, with the index of its actuator port.
     pub(crate) jump: Option<(usize, Jump)>,
-    /// The first of those that moved at the end of this cycle and got no set-point, as a place in `held`, with the actuator whose
-    /// set-point was refused, if one was.
+    /// The first resource that was moving without a set-point at the end of this cycle, as an index into `held`. The
+    /// second part is the actuator port whose set-point was rejected, if any.
     lost: Option<(usize, Option<usize>)>,
 }
 
 /// An actuator port of the image.
 struct Set {
     port: PortId,
-    /// The actuators that it moves, as places in `held`.
+    /// Resources that the port moves, as a range of `held`.
     moves: Range<usize>,
-    /// Where its set-point lies in the buffer.
+    /// Offset of the set-point in the buffer.
     at: usize,
     len: usize,
 }
 
-/// An actuator (resource) that the command holds.
+/// A resource (actuator) that the command holds.
 #[derive(Clone, Copy, Default)]
 struct Held {
     resource: u32,
-    /// Somebody wants to set it in this cycle.
+    /// A set-point for this resource was computed in this cycle, accepted or not.
     claimed: bool,
-    /// A set-point for it was accepted in this cycle.
+    /// A set-point for this resource was accepted in this cycle.
     set: bool,
-    /// Whose set-point is handed over at the end of this cycle; at the first of the actuators that it moves.
+    /// The actuator port whose set-point is sent at the end of this cycle. Stored at the first resource of the port
+    /// only.
     staged: Option<usize>,
-    /// Whose set-point was handed over at the end of the cycle before.
+    /// The actuator port whose set-point was sent at the end of the previous cycle.
     last: Option<usize>,
-    /// Whose set-point its device has refused in this cycle.
+    /// The actuator port whose set-point was rejected by its device in this cycle.
     refused: Option<usize>,
 }
 
 impl Ports {
-    /// Resolves all ports of an image; notes what the cell does not have.
+    /// Resolves all ports of an image; appends an error for each port that the cell lacks.
     pub(crate) fn load(
         image: &Image,
         bank: &mut dyn DeviceBank,
@@ -118,12 +119,12 @@ impl Ports {
         self.buffer = vec![0; end + scratch].into();
     }
 
-    /// The actuators that the command holds, ascending.
+    /// Resources that the command holds, in ascending order.
     pub(crate) fn held(&self) -> impl Iterator<Item = u32> + '_ {
         self.held.iter().map(|h| h.resource)
     }
 
-    /// As after loading.
+    /// Restores the state after loading.
     pub(crate) fn reset(&mut self) {
         for held in &mut self.held {
             *held = Held {
@@ -133,7 +134,7 @@ impl Ports {
         }
     }
 
-    /// Latches all sensors, also those inside of inactive fragments.
+    /// Latches all sensors, including those in inactive fragments.
     pub(crate) fn read_sensors(&self, image: &Image, cx: &mut Cx<'_>) {
         for (sensor, &port) in image.sensors.iter().zip(&self.sensors) {
             let value = sensor.value;
@@ -146,7 +147,7 @@ impl Ports {
         }
     }
 
-    /// Checks a set-point, stages it if nothing is against it, and tells the command what the device says.
+    /// Checks a set-point, stages it if it is valid, and stores the device's answers in the command's memory.
     pub(crate) fn actuate(&mut self, image: &Image, index: usize, cx: &mut Cx<'_>) {
         let (actuator, set) = (&image.actuators[index], &self.actuators[index]);
         let value = &mut self.buffer[set.at..set.at + set.len];
@@ -157,6 +158,7 @@ impl Ports {
         }
         let held = &mut self.held[set.moves.clone()];
         let mut refusal = cx.devices.check(set.port, value);
+        // Claims count even if the first set-point was rejected: two writers in one cycle are always an error.
         if held.iter().any(|h| h.claimed) {
             refusal = refusal.and(Refusal::CONCURRENT_ACCESS);
             cx.fault(FaultCode::ConcurrentAccess, actuator.cell());
@@ -185,7 +187,7 @@ impl Ports {
         }
     }
 
-    /// Calls a device function; without a result the output is absent, or not a number where it cannot be absent.
+    /// Calls a device function. Without a result the output is absent, or NaN if it cannot be absent.
     pub(crate) fn call(&mut self, image: &Image, index: usize, cx: &mut Cx<'_>) {
         let function = &image.functions[index];
         let scratch = self.actuators.last().map_or(0, |a| a.at + a.len);
@@ -202,7 +204,7 @@ impl Ports {
         }
     }
 
-    /// Hands all staged set-points over. False if an actuator moves and has got none: then it is stopped.
+    /// Sends all staged set-points. Returns false if a moving actuator has no set-point; that actuator is stopped.
     pub(crate) fn hand_over(&mut self, bank: &mut dyn DeviceBank) -> bool {
         self.lost = None;
         for (k, held) in self.held.iter_mut().enumerate() {
@@ -220,7 +222,7 @@ impl Ports {
         self.lost.is_none()
     }
 
-    /// The fault of what moved and got no set-point, and the actuator by which messages find it.
+    /// Fault code for a moving actuator without a set-point, and the index of the actuator port to report.
     pub(crate) fn loss(&self) -> (FaultCode, Option<usize>) {
         match self.lost {
             Some((_, Some(refused))) => (FaultCode::DeviceFailed, Some(refused)),
@@ -232,7 +234,7 @@ impl Ports {
         }
     }
 
-    /// Drops all staged set-points and lets every actuator that moves come to a stop.
+    /// Drops all staged set-points and stops every moving actuator.
     pub(crate) fn stop(&mut self, bank: &mut dyn DeviceBank) {
         self.reset();
         for held in &self.held {

@@ -1,4 +1,4 @@
-//! The steps of an image with names resolved to code: what a machine walks through.
+//! The steps of an image with primitives resolved to function pointers.
 
 use rpi_image::image::{Cells, Form, Image, Step};
 use rpi_prims::{PrimId, RunFn};
@@ -7,41 +7,42 @@ use alloc::boxed::Box;
 use alloc::vec;
 use alloc::vec::Vec;
 
-/// A step, ready to run.
+/// An executable step.
 #[derive(Clone, Copy)]
 pub(crate) enum Op {
-    /// A row of equal primitives.
+    /// Runs a row of calls of the same primitive.
     Run { code: RunFn, words: Cells },
-    /// Pairs of cells (from, to).
+    /// Copies single slots: pairs (from, to).
     Copy { words: Cells },
-    /// Jumps over what is inactive: see [`Guard`].
+    /// Jumps over inactive fragments; see [`Guard`].
     Skip { guards: Cells, to: u32 },
-    /// Initial state for a fragment unless the cell is true.
+    /// Restores the initial state of a fragment unless slot `unless` is true.
     Reset { unless: u32, fragment: u32 },
-    /// A set-point.
+    /// Checks and stages a set-point.
     Actuate { actuator: u32 },
-    /// A device function.
+    /// Calls a device function.
     Call { function: u32 },
 }
 
-/// A skip of the image. Where one lands on another, as fragments side by side do, they are asked in one go: the first
-/// whose cell is true tells where to go on. So a fragment that is inactive costs one look at its cell and no jump.
+/// Guard of a fragment: a skip of the image. Skips that land on other skips, as for fragments side by side, form one
+/// chain that is tested in one loop; the first true guard enters its fragment. An inactive fragment thus costs one
+/// memory read and no jump.
 #[derive(Clone, Copy)]
 pub(crate) struct Guard {
-    /// A Boolean cell.
+    /// Slot of the Boolean that enables the fragment.
     pub(crate) cell: u32,
-    /// The step behind the skip.
+    /// Index of the step after the skip.
     pub(crate) inside: u32,
 }
 
-/// A step list, ready to run.
+/// An executable list of steps.
 pub(crate) struct Program {
     pub(crate) ops: Box<[Op]>,
     pub(crate) guards: Box<[Guard]>,
 }
 
 impl Program {
-    /// Where to go on: inside of the first of these guards that is true, or behind them all.
+    /// Index of the next step: inside the fragment of the first true guard, or `to` if none is true.
     #[inline(always)]
     pub(crate) fn pass(&self, cells: &[u64], guards: Cells, to: u32) -> usize {
         let open = self.guards[guards.range()]
@@ -60,7 +61,7 @@ impl Program {
         program
     }
 
-    /// Joins skips that land on skips; each belongs to one chain.
+    /// Merges skips that land on skips into chains. Each skip belongs to one chain.
     fn chain(&mut self, steps: &[Step]) {
         let mut guards = Vec::new();
         let mut chained = vec![false; steps.len()];
@@ -87,7 +88,8 @@ impl Program {
     }
 }
 
-/// The skip at `pc` and all on which it and its followers land, up to one that has its chain: place, cell, target.
+/// The chain that starts at `pc`: skips that land on one another, up to one that already belongs to a chain. Each is
+/// (index, slot, target).
 fn chain_from(steps: &[Step], chained: &[bool], pc: usize) -> Vec<(usize, u32, u32)> {
     let skip = |at: usize| match steps.get(at) {
         Some(Step::Skip { unless, to }) if !chained[at] => Some((at, *unless, *to)),
@@ -96,7 +98,7 @@ fn chain_from(steps: &[Step], chained: &[bool], pc: usize) -> Vec<(usize, u32, u
     core::iter::successors(skip(pc), |(_, _, to)| skip(*to as usize)).collect()
 }
 
-/// The steps one by one; skips get their guards later.
+/// Translates steps one to one; the guards of skips are added later.
 fn resolve(image: &Image, steps: &[Step]) -> Box<[Op]> {
     let code = |prim: u16, form: Form| -> RunFn {
         let name = image.prims.get(usize::from(prim)).map_or("", |p| &p.name);
@@ -105,7 +107,7 @@ fn resolve(image: &Image, steps: &[Step]) -> Box<[Op]> {
             Form::Total => p.total,
             Form::Optional => p.optional,
         });
-        // The verifier has found every primitive; without code there is nothing to run.
+        // The verifier accepts only images whose primitives exist, so the fallback is never called.
         code.unwrap_or(|_, _| {})
     };
     let op = |step: &Step| match *step {
@@ -132,7 +134,7 @@ fn resolve(image: &Image, steps: &[Step]) -> Box<[Op]> {
     steps.iter().map(op).collect()
 }
 
-/// Copies single cells: pairs (from, to).
+/// Copies single slots: pairs (from, to).
 pub(crate) fn copy(cells: &mut [u64], words: &[u32]) {
     for pair in words.chunks_exact(2) {
         cells[pair[1] as usize] = cells[pair[0] as usize];

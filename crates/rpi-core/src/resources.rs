@@ -1,11 +1,11 @@
-//! Who holds which actuator, and who may have it next.
+//! Allocation of resources (actuators) to commands.
 
 use crate::commands::{Core, Refused};
 use crate::lifecycle::State;
 use crate::rule::Rule;
 
 impl Core {
-    /// All commands that hold an actuator: one, or several scheduled ones that are alternatives.
+    /// Slot indices of all commands that hold a resource: one running command, or several scheduled alternatives.
     pub(crate) fn holders(&self, resource: u32) -> impl Iterator<Item = usize> + '_ {
         let holds = move |(place, entry): (usize, &Option<crate::commands::Entry>)| {
             let holds = entry.as_ref().is_some_and(|e| e.command.holds(resource));
@@ -14,7 +14,7 @@ impl Core {
         self.entries.iter().enumerate().filter_map(holds)
     }
 
-    /// Checks that all a command needs is free.
+    /// Checks that all resources of a command are free.
     pub(crate) fn free_for(&self, place: usize) -> Result<(), Refused> {
         let mut needs = self.entry(place)?.command.resources();
         needs.try_for_each(|resource| match self.holders(resource).next() {
@@ -30,7 +30,7 @@ impl Core {
         }
     }
 
-    /// Checks that a command which a rule is to start has, can take, or will get an actuator from those who end before.
+    /// Checks that a command started by a rule has a resource, can take it, or gets it from a predecessor.
     pub(crate) fn within_reach(
         &self,
         rule: &Rule,
@@ -48,7 +48,7 @@ impl Core {
         }
     }
 
-    /// True if somebody who ends before the rule fires needs this actuator and will hand it on.
+    /// True if a predecessor of the rule needs this resource and will pass it on.
     pub(crate) fn comes_from_before(&self, rule: &Rule, resource: u32) -> bool {
         let before = rule.after.iter().filter_map(|id| self.find(*id));
         before
@@ -56,7 +56,7 @@ impl Core {
             .any(|e| e.is_live() && e.command.needs(resource))
     }
 
-    /// True if a holder is scheduled as an alternative to what this rule starts: after the same command.
+    /// True if the holder is scheduled after the same command as this rule, so that both are alternatives.
     fn shares(&self, rule: &Rule, holder: usize) -> bool {
         let scheduled = self.entries[holder]
             .as_ref()
@@ -70,7 +70,7 @@ impl Core {
                 .any(|p| p.rule.start.contains(&id) && common(&p.rule))
     }
 
-    /// Checks at the moment of firing that what a command needs is its own, or free, or held by those who end now or are
+    /// Checks at firing time that a command's resources are its own, or free, or held by commands that end now or are
     /// alternatives.
     pub(crate) fn obtainable(&self, rule: &Rule, place: usize) -> Result<(), Refused> {
         let command = &self.entry(place)?.command;
@@ -87,17 +87,18 @@ impl Core {
         }
     }
 
-    /// True if a holder ends in this decision, by itself or by this rule.
+    /// True if the holder ends in the current decision, on its own or by this rule.
     fn lets_go(&self, rule: &Rule, holder: usize) -> bool {
         let leaving = self.entries[holder].as_ref().is_some_and(|e| e.leaving);
         leaving || rule.stop.contains(&self.id(holder))
     }
 
-    /// Gives a command all that it needs; nobody else has it any more.
+    /// Assigns all needed resources to a command and takes them from every other command.
     pub(crate) fn take_all(&mut self, place: usize) {
         let Some(entry) = self.entries[place].as_mut() else {
             return;
         };
+        // Moved out for the loop: the command itself then has no holds that `yield_to` could release.
         let mut holds = core::mem::take(&mut entry.command.holds);
         for other in self.entries.iter_mut().flatten() {
             other.command.yield_to(&holds);
@@ -108,7 +109,8 @@ impl Core {
         }
     }
 
-    /// Lets every scheduled command take what is free of what it needs, unless it comes to it from somebody before.
+    /// Lets every scheduled command take its free resources, except those that a predecessor passes on. Returns true if
+    /// any was taken.
     pub(crate) fn take_free(&mut self) -> bool {
         let mut took = false;
         for place in 0..self.entries.len() {
@@ -124,7 +126,8 @@ impl Core {
         took
     }
 
-    /// Notes what of a scheduled command's needs it cannot take: what comes to it, or is somebody else's.
+    /// Marks the resources that a scheduled command cannot take now: those from a predecessor and those of unrelated
+    /// commands.
     fn note_unfree(&mut self, place: usize) {
         let id = self.id(place);
         for k in 0..self.need_count(place) {
@@ -169,7 +172,7 @@ impl Core {
             .map_or(0, |e| e.command.holds.len())
     }
 
-    /// Its actuator of this index, if it does not hold it and that it could is not ruled out.
+    /// The k-th needed resource, if it is neither held nor marked as unfree.
     fn lack(&self, place: usize, k: usize) -> Option<u32> {
         let entry = self.entries.get(place)?.as_ref()?;
         let hold = entry.command.holds.get(k).filter(|h| !h.held && !h.unfree);

@@ -1,4 +1,4 @@
-//! Rules: when this holds, stop these, cancel those, start others, all between the same two cycles.
+//! Rules: when a condition is true, stop, cancel and start commands, all between the same two cycles.
 
 use crate::condition::{Condition, Fact};
 use crate::id::{CommandId, RuleId};
@@ -7,23 +7,25 @@ use crate::names::Names;
 use alloc::boxed::Box;
 use alloc::vec::Vec;
 
-/// A rule, made beside the cycle. It fires once.
+/// A rule, built outside the cycle. It fires once.
 ///
-/// `Rule::follow(a).start(b)` schedules command `b` on command `a`; `Rule::follow_by(a, &[0])` only for its first result.
+/// `Rule::follow(a).start(b)` schedules command `b` after command `a`; `Rule::follow_by(a, &[0])` only after its first
+/// result.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Rule {
     pub(crate) condition: Condition,
-    /// Commands that have ended, or are stopped, by the time it fires: what they held may be taken over.
+    /// Predecessors in ascending order: commands that have ended or are stopped when the rule fires. Their resources
+    /// can be taken over.
     pub(crate) after: Vec<CommandId>,
     pub(crate) stop: Vec<CommandId>,
     pub(crate) cancel: Vec<CommandId>,
     pub(crate) start: Vec<CommandId>,
     pub(crate) kept: bool,
-    /// What those that it starts are given of those that have ended.
+    /// Values passed from ended commands to the commands that the rule starts.
     pub(crate) handed: Vec<Handed>,
 }
 
-/// A value that a command leaves to one that follows it.
+/// A value passed from an export of one command to an input of its successor.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct Handed {
     pub(crate) from: CommandId,
@@ -33,7 +35,7 @@ pub(crate) struct Handed {
 }
 
 impl Rule {
-    /// A rule that does nothing yet when this holds.
+    /// A rule with this condition and no actions.
     #[must_use]
     pub fn when(condition: Condition) -> Rule {
         Rule {
@@ -47,13 +49,13 @@ impl Rule {
         }
     }
 
-    /// When a command has ended by itself without an error and was not cancelled.
+    /// A rule that fires when a command has ended regularly; see [`Fact::Regular`].
     #[must_use]
     pub fn follow(predecessor: CommandId) -> Rule {
         Rule::when(Condition::of(predecessor, Fact::Regular))
     }
 
-    /// As [`Rule::follow`], but only for these results (by index). Without any it never fires.
+    /// As [`Rule::follow`], but only for these results (by index). Without any result the rule never fires.
     #[must_use]
     pub fn follow_by(predecessor: CommandId, results: &[u32]) -> Rule {
         let one = |k: &u32| Condition::of(predecessor, Fact::Result(*k));
@@ -65,7 +67,7 @@ impl Rule {
         })
     }
 
-    /// Ends this command, or takes it off the schedule.
+    /// Adds an action: stops this command, or unschedules it if it has not started.
     #[must_use]
     pub fn stop(mut self, command: CommandId) -> Rule {
         self.stop.push(command);
@@ -75,22 +77,22 @@ impl Rule {
         self
     }
 
-    /// Asks this command to end.
+    /// Adds an action: cancels this command.
     #[must_use]
     pub fn cancel(mut self, command: CommandId) -> Rule {
         self.cancel.push(command);
         self
     }
 
-    /// Starts this command.
+    /// Adds an action: starts this command.
     #[must_use]
     pub fn start(mut self, command: CommandId) -> Rule {
         self.start.push(command);
         self
     }
 
-    /// Hands what a command has exported in its last cycle (by index) to an input of one that this rule starts. A value that is
-    /// absent or of another size leaves the input as it is.
+    /// Adds an action: copies an export (by index) of a predecessor's last cycle to an input of a command that this
+    /// rule starts. An absent value or one of the wrong size leaves the input unchanged.
     #[must_use]
     pub fn hand(mut self, (from, export): (CommandId, u32), (to, input): (CommandId, u32)) -> Rule {
         self.handed.push(Handed {
@@ -102,27 +104,28 @@ impl Rule {
         self
     }
 
-    /// Commands that nothing can start any more are ready again instead of gone.
+    /// If nothing can start the rule's commands any more, they become ready again instead of being removed.
     #[must_use]
     pub fn keep(mut self) -> Rule {
         self.kept = true;
         self
     }
 
-    /// How much there is to look at: words of its condition, and commands that it does something to.
+    /// Evaluation cost: number of condition words plus number of actions.
     pub(crate) fn weight(&self) -> usize {
         let acts_on = self.stop.len() + self.cancel.len() + self.start.len();
         self.condition.words().count() + acts_on + self.handed.len()
     }
 
-    /// The commands that it starts.
+    /// The commands that the rule starts.
     #[must_use]
     pub fn starts(&self) -> &[CommandId] {
         &self.start
     }
 
-    /// The commands that will never run again once it has fired: those that must have ended, and those that it stops and that run
-    /// then. `runs` tells which run already; others do if the condition cannot hold before their first cycle.
+    /// Commands that never run again once the rule has fired: its predecessors, and the commands that it stops while
+    /// they run. `runs` returns whether a command is running already. Other stopped commands are included only if the
+    /// condition requires their first cycle.
     pub fn outlives<'a>(
         &'a self,
         runs: impl Fn(CommandId) -> bool + 'a,
@@ -134,7 +137,7 @@ impl Rule {
         })
     }
 
-    /// All commands that its condition or its stop set names.
+    /// All commands in the condition and in the stop set, with duplicates.
     pub(crate) fn mentions(&self) -> impl Iterator<Item = CommandId> + '_ {
         self.condition.commands().chain(self.stop.iter().copied())
     }
@@ -144,10 +147,10 @@ impl Rule {
 pub(crate) struct Pending {
     pub(crate) id: RuleId,
     pub(crate) rule: Box<Rule>,
-    /// The commands that its condition or its stop set names.
+    /// The commands in the condition and in the stop set.
     pub(crate) names: Names,
-    /// Its condition holds at the decision of this tick.
+    /// The condition is true in the decision of this tick.
     pub(crate) fires: bool,
-    /// Its condition can still become true.
+    /// The rule may still fire.
     pub(crate) open: bool,
 }

@@ -1,4 +1,4 @@
-//! Making rules, and dropping those that can no longer fire together with the commands that only they could start.
+//! Adding rules, and dropping rules that can no longer fire together with the commands that only they could start.
 
 use crate::commands::{Core, Entry, Refused};
 use crate::condition::{Fact, Truth};
@@ -12,12 +12,13 @@ use rpi_device::DeviceBank;
 use alloc::boxed::Box;
 
 impl Core {
-    /// Makes a rule. The commands that it starts are scheduled and take at once what is free of what they need, unless
-    /// somebody who ends before will hand it on. If its condition holds already, it fires at once.
+    /// Adds a rule. The commands that it starts are scheduled. They take their free resources at once, except those
+    /// that a predecessor passes on. If the condition is already true, the rule fires at once.
     ///
     /// # Errors
-    /// Gives it back, and nothing has changed, if a command that it starts is neither ready nor scheduled, needs what
-    /// somebody else holds, or is asked to follow itself; or if the rule could never fire.
+    /// Returns the rule, and changes nothing, if a command to start is neither ready nor scheduled, needs a resource
+    /// that another command holds, or would follow itself; if the rule can never fire; if its condition is too deep; or
+    /// if the table is full.
     pub fn schedule_as(
         &mut self,
         id: RuleId,
@@ -42,10 +43,10 @@ impl Core {
         Ok(())
     }
 
-    /// As [`Core::schedule_as`], with a name that the core chooses.
+    /// Adds a rule under an id that the core chooses; see [`Core::schedule_as`].
     ///
     /// # Errors
-    /// See there.
+    /// As for [`Core::schedule_as`].
     pub fn schedule(
         &mut self,
         rule: Box<Rule>,
@@ -56,10 +57,10 @@ impl Core {
         self.schedule_as(id, rule, bank).map(|()| id)
     }
 
-    /// Drops a rule; commands that only it could start are unscheduled.
+    /// Drops a rule. Commands that only this rule could start are unscheduled.
     ///
     /// # Errors
-    /// If there is no such rule any more.
+    /// The rule does not exist any more.
     pub fn withdraw(&mut self, id: RuleId) -> Result<(), Refused> {
         let at = self.rules.iter().position(|p| p.id == id);
         let at = at.ok_or(Refused::Unknown)?;
@@ -68,13 +69,13 @@ impl Core {
         Ok(())
     }
 
-    /// How much all rules give to look at, whenever something has changed: see [`Core::schedule_as`].
+    /// Evaluation cost of all rules after each change: number of condition words plus number of actions.
     #[must_use]
     pub fn weight_of_rules(&self) -> usize {
         self.rules.iter().map(|p| p.rule.weight()).sum()
     }
 
-    /// Moves out a rule that is over, to be freed off the cycle.
+    /// Moves a fired or dropped rule out, to be freed outside the cycle.
     pub fn take_spent(&mut self) -> Option<(RuleId, Box<Rule>)> {
         self.spent.pop()
     }
@@ -112,7 +113,7 @@ impl Core {
         }
     }
 
-    /// True if a rule's condition may hold while what it starts has not run yet.
+    /// True if the condition may become true before the commands that the rule starts have run.
     fn may_come_true(&self, rule: &Rule) -> bool {
         let know = |id: CommandId, fact: Fact| match fact {
             Fact::Export(_) if rule.start.contains(&id) => Truth::NEVER,
@@ -137,14 +138,15 @@ impl Core {
         Ok(())
     }
 
-    /// Drops the rules that can no longer fire, gives up the commands that nothing can start any more, and lets those
-    /// that still wait take what has become free. Called whenever a command's state has changed.
+    /// Drops the rules that can no longer fire, orphans the commands that nothing can start any more, and lets the
+    /// remaining scheduled commands take freed resources. Called after every change of a command's state.
     pub(crate) fn settle(&mut self) {
-        // What one takes may be out of reach for another from then on: each round but the last takes something.
+        // A resource taken by one command may be out of reach for another, so iterate to a fixed point. Every iteration
+        // but the last takes a resource, which bounds the loop.
         while self.settle_once() {}
     }
 
-    /// True if a scheduled command took something that was free.
+    /// One iteration of `settle`. Returns true if a scheduled command took a free resource.
     fn settle_once(&mut self) -> bool {
         self.mark_live();
         self.drop_closed();
@@ -156,21 +158,23 @@ impl Core {
         self.take_free()
     }
 
-    /// Finds out which scheduled commands may still run and which rules may still fire: the least set that supports
-    /// itself, so that commands which wait for one another in a circle are given up.
+    /// Computes which scheduled commands may still run and which rules may still fire. This is a least fixed point, so
+    /// commands that only wait for one another in a dependency cycle are orphaned.
     fn mark_live(&mut self) {
         let entries = self.entries.iter_mut().flatten();
         entries.for_each(|e| e.live = e.command.state != State::Scheduled && !e.gone);
         self.rules.iter_mut().for_each(|p| p.open = false);
         let (mut found, mut back) = (self.open_rules(None, false), false);
-        // Whether a rule may fire depends on the commands that it speaks of alone. Chains are mostly made from one end to the other.
+        // Whether a rule may fire depends only on the commands that it mentions. Chains are usually created from one
+        // end to the other, so alternating the direction reaches the fixed point in few passes.
         while !found.is_empty() {
             back = !back;
             found = self.open_rules(Some(found), back);
         }
     }
 
-    /// Looks for rules that may still fire, among those that speak of one of these commands; which commands may run by them.
+    /// Marks rules that may still fire as open, among those that mention a command in `about` (`None` for all rules).
+    /// Returns the commands that became live; `back` reverses the order.
     fn open_rules(&mut self, about: Option<Names>, back: bool) -> Names {
         let (mut found, rules) = (Names::default(), self.rules.len());
         for k in 0..rules {
@@ -186,7 +190,7 @@ impl Core {
         found
     }
 
-    /// What a rule starts may run; those of which that was not known are added to `found`.
+    /// Marks the commands that a rule starts as live and adds the newly marked ones to `found`.
     fn enliven(&mut self, at: usize, found: &mut Names) {
         for k in 0..self.rules[at].rule.start.len() {
             let command = self.rules[at].rule.start[k];
@@ -204,12 +208,12 @@ impl Core {
         for Pending { id, rule, .. } in self.rules.extract_if(.., |p| !p.open) {
             let outcome = Outcome::Dropped;
             notices.push(Notice::Rule { rule: id, outcome });
-            // There is room, as in `drop_rule`.
+            // `spent` has enough capacity, as in `drop_rule`.
             spent.push((id, rule));
         }
     }
 
-    /// True if a rule's condition may become true and all that it starts can be had then.
+    /// True if the condition may become true and all commands to start can get their resources.
     fn may_fire(&self, rule: &Rule) -> bool {
         let startable = |id: &CommandId| {
             let place = self.find(*id);
@@ -232,7 +236,7 @@ impl Core {
         waits && !self.rules.iter().any(|p| p.rule.start.contains(&id))
     }
 
-    /// Nothing can start this command any more: it gives back what it holds.
+    /// Orphans a command that nothing can start any more and releases its resources.
     pub(crate) fn orphan(&mut self, place: usize, keep: bool) {
         let command = self.id(place);
         let Some(entry) = self.entries[place].as_mut() else {
@@ -248,16 +252,16 @@ impl Core {
         self.notices.push(Notice::Orphaned { command, kept });
     }
 
-    /// Takes a rule out of the table and says what became of it.
+    /// Removes a rule from the table and reports its outcome.
     pub(crate) fn drop_rule(&mut self, at: usize, outcome: Outcome) {
         let Pending { id, rule, .. } = self.rules.remove(at);
         self.notices.push(Notice::Rule { rule: id, outcome });
-        // There is room: both lists together never hold more rules than one of them has room for.
+        // `spent` has enough capacity: both lists together never exceed the capacity of one.
         self.spent.push((id, rule));
     }
 }
 
-/// Settles what rules ask about a command that is no more as it stands.
+/// Replaces the facts about a removed command by their final values in all rules.
 pub(crate) fn freeze(rules: &mut [Pending], gone: CommandId, entry: &Entry) {
     let own: Names = [gone].into_iter().collect();
     for pending in rules.iter_mut().filter(|p| p.names.meets(&own)) {

@@ -1,4 +1,4 @@
-//! The decision between two cycles: who ends, which rules fire, who takes over, what is braked.
+//! The decision between two cycles: ends of commands, firing of rules, takeovers, braking.
 
 use crate::command::{Cause, Ending};
 use crate::commands::{Core, Refused};
@@ -11,8 +11,9 @@ use crate::rule::{Handed, Pending, Rule};
 use rpi_device::DeviceBank;
 
 impl Core {
-    /// Fires all rules whose condition holds now, in the order in which they were made. All conditions are looked at
-    /// before the first one fires. What starts runs from tick `next` on, or when who it follows would have been due.
+    /// Fires all rules whose condition is true, in the order of their creation. All conditions are evaluated before the
+    /// first rule fires. Started commands run from tick `next` on, or from the tick at which their predecessor would
+    /// have been due.
     pub(crate) fn fire_all(&mut self, next: u64, bank: &mut dyn DeviceBank) {
         for at in 0..self.rules.len() {
             self.rules[at].fires = self.is_true(&self.rules[at].rule);
@@ -27,7 +28,7 @@ impl Core {
         self.conclude(bank);
     }
 
-    /// Fires a rule between two ticks if its condition holds already.
+    /// Fires a rule between two ticks if its condition is already true.
     pub(crate) fn fire_if_true(&mut self, id: RuleId, bank: &mut dyn DeviceBank) {
         let at = self.rules.iter().position(|p| p.id == id);
         if let Some(at) = at.filter(|at| self.is_true(&self.rules[*at].rule)) {
@@ -42,7 +43,7 @@ impl Core {
             .is_true()
     }
 
-    /// Fires a rule as a whole, or not at all if it cannot start what it is to start.
+    /// Fires a rule atomically: if one command cannot be started, the rule fails and has no effect.
     fn fire(&mut self, at: usize, next: u64) {
         self.changed = true;
         if let Err(why) = self.can_fire(&self.rules[at].rule) {
@@ -60,7 +61,7 @@ impl Core {
             self.take_over(*command, due, predecessor);
         }
         rule.handed.iter().for_each(|handed| self.hand(handed));
-        // There is room: both lists together never hold more rules than one of them has room for.
+        // `spent` has enough capacity: both lists together never exceed the capacity of one.
         self.spent.push((id, rule));
     }
 
@@ -84,7 +85,7 @@ impl Core {
         }
     }
 
-    /// Asks a command to end, if it runs.
+    /// Cancels a command if it is running.
     pub(crate) fn cancel_by(&mut self, command: CommandId) {
         let place = self.find(command);
         let entry = place.and_then(|p| self.entries[p].as_mut());
@@ -105,7 +106,7 @@ impl Core {
         }
     }
 
-    /// Copies what a command has exported last to an input of its successor.
+    /// Copies the latest value of an export to an input of the successor.
     fn hand(&mut self, handed: &Handed) {
         let (Some(from), Some(to)) = (self.find(handed.from), self.find(handed.to)) else {
             return;
@@ -116,12 +117,12 @@ impl Core {
         let machine = &from.command.machine;
         let export = machine.image().exports.get(handed.export as usize);
         if let Some(value) = export.and_then(|export| machine.value(export.value)) {
-            // One of another size is no value for it.
+            // `set_input` ignores a value of the wrong size.
             to.command.set_input(handed.input as usize, value);
         }
     }
 
-    /// Lets a command run from tick `due` on, holding all that it needs.
+    /// Starts a command at tick `due` with all its resources.
     pub(crate) fn begin(&mut self, place: usize, due: u64, event: Event) {
         self.changed = true;
         self.take_all(place);
@@ -131,7 +132,8 @@ impl Core {
         }
     }
 
-    /// When what a rule starts is due: when the first of those that it names and that end now would have been.
+    /// First tick of the commands that a rule starts: the earliest due tick of its predecessors that end now, else
+    /// `next`.
     fn due_after(&self, rule: &Rule, next: u64) -> u64 {
         let named = rule.mentions().filter_map(|id| self.find(id));
         let ending = named
@@ -140,13 +142,13 @@ impl Core {
         ending.map(|e| e.due).min().unwrap_or(next)
     }
 
-    /// The result of the first command that a rule names and that has ended by one.
+    /// Identity of the result of the first command that the rule mentions and that ended by a result.
     fn predecessor(&self, rule: &Rule) -> Option<i64> {
         let mut named = rule.mentions().filter_map(|id| self.find(id));
         named.find_map(|place| self.entries[place].as_ref()?.command.result_id())
     }
 
-    /// Ends a command; what it holds is still its own until the decision is over.
+    /// Ends a command. It keeps its resources until the decision is concluded.
     pub(crate) fn leave(&mut self, place: usize, ending: Ending) {
         self.changed = true;
         if let Some(entry) = self.entries[place].as_mut() {
@@ -163,20 +165,21 @@ impl Core {
         }
     }
 
-    /// The end of each decision: what nobody took over is let go and braked, what happened is told, what has become
-    /// impossible is dropped.
+    /// Concludes a decision: releases and brakes what nobody took over, reports starts and ends, and drops rules that
+    /// can no longer fire.
     pub(crate) fn conclude(&mut self, bank: &mut dyn DeviceBank) {
         if !core::mem::take(&mut self.changed) {
             return;
         }
         (0..self.entries.len()).for_each(|place| self.let_go(place, bank));
+        // Ends before starts, so that a reader of the notices never sees two holders of one resource.
         self.announce_ends(false);
         self.announce_starts();
         self.announce_ends(true);
         self.settle();
     }
 
-    /// Frees what an ended command still holds; what of it moves is braked by its device.
+    /// Releases the remaining resources of an ended command. Moving ones are braked by their device.
     fn let_go(&mut self, place: usize, bank: &mut dyn DeviceBank) {
         let (command, tick) = (self.id(place), self.tick);
         let entry = self.entries[place].as_mut();
@@ -210,7 +213,8 @@ impl Core {
         }
     }
 
-    /// Tells who has ended: those that had run before first, then those that were ended as soon as they were started.
+    /// Reports ended commands. With `fresh` false, those that had run before; with `fresh` true, those that were
+    /// started and ended in the same decision.
     fn announce_ends(&mut self, fresh: bool) {
         let tick = self.tick;
         for place in 0..self.entries.len() {
@@ -231,8 +235,8 @@ impl Core {
         }
     }
 
-    /// For each `yield` of a command, or for its port `terminate`, tells whether ending so now would certainly start
-    /// somebody who takes every actuator that moves; true if any is.
+    /// Computes, for each `yield` of a command or for its port `terminate`, whether ending now would certainly start a
+    /// successor that takes every moving actuator. Returns true if this holds for any of them.
     pub(crate) fn latch_cover(&mut self, place: usize, bank: &dyn DeviceBank) -> bool {
         let results = self.entries[place]
             .as_ref()
@@ -262,6 +266,7 @@ impl Core {
         let know = |of: CommandId, fact: Fact| match fact {
             Fact::Export(_) if of == id => Truth::OPEN,
             _ if of == id => Truth::fixed(holds(fact, &ending)),
+            // Values that may change later in this cycle must not promise a takeover.
             _ => self.know(of, fact).lasting(),
         };
         self.rules.iter().any(|p| {
@@ -270,7 +275,7 @@ impl Core {
         })
     }
 
-    /// True if what a rule starts takes every actuator of a command that moves now.
+    /// True if the commands that a rule starts take every moving actuator of a command.
     fn covers(&self, rule: &Rule, place: usize, bank: &dyn DeviceBank) -> bool {
         let takes = |resource: u32| {
             let mut starts = rule.start.iter().filter_map(|id| self.find(*id));

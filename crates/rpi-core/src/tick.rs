@@ -1,4 +1,4 @@
-//! The cycle.
+//! One tick of the control core.
 
 use crate::command::{Command, Why};
 use crate::commands::{Core, Entry};
@@ -9,28 +9,30 @@ use crate::machine::Moment;
 use crate::notice::Notice;
 use rpi_device::DeviceBank;
 
-/// Who looks at a command at the end of each of its cycles: recording, publishing, figures.
+/// Observer of commands at the end of each of their cycles, for recording, publishing and statistics.
 ///
-/// It is called on the cycle's thread and must not allocate, lock or wait.
+/// The methods run on the thread of the cycle. They must not allocate, lock or wait.
 pub trait Watch {
-    /// A cycle of this command is over: all its flows can be read.
+    /// Called after each cycle of a command, when all its flows can be read.
     fn cycle(&mut self, id: CommandId, command: &Command);
 
-    /// This command is evaluated from now on; nothing more once all have been. For whoever has a clock.
+    /// Called before each command is evaluated, and with `None` after the last one. For measuring computing times.
     fn turn(&mut self, _next: Option<CommandId>) {}
 }
 
-/// Nobody looks.
+/// Observer that does nothing.
 impl Watch for () {
     fn cycle(&mut self, _: CommandId, _: &Command) {}
 }
 
 impl Core {
-    /// One tick: every command that is due runs one cycle. `wall_ns` is the machine's clock in nanoseconds since the
-    /// Unix epoch.
+    /// Runs one tick: every command that is due runs one cycle. `wall_ns` is the wall-clock time in nanoseconds since
+    /// the Unix epoch.
     pub fn tick(&mut self, bank: &mut dyn DeviceBank, wall_ns: i64, watch: &mut dyn Watch) {
         let now = self.tick;
         self.tell(bank, wall_ns);
+        // Phase by phase over all commands, not command by command: all sensors are latched before the first set-point
+        // is sent, so that no command sees effects of another one in the same tick.
         due(&mut self.entries, now, |c| c.machine.read(bank, &c.moment));
         self.evaluate(bank, watch);
         due(&mut self.entries, now, |c| c.machine.commit());
@@ -41,8 +43,7 @@ impl Core {
         self.tick += 1;
     }
 
-    /// Tells each command that is due what it must know at the start of its cycle. Requests that arrive later count from
-    /// the next cycle on.
+    /// Sets the core's inputs for each command that is due. Requests that arrive later take effect in the next cycle.
     fn tell(&mut self, bank: &mut dyn DeviceBank, wall_ns: i64) {
         for place in 0..self.entries.len() {
             if !self.entries[place]
@@ -73,7 +74,7 @@ impl Core {
         }
     }
 
-    /// Computes every command that is due, one after the other.
+    /// Evaluates every command that is due, in the order of the table.
     fn evaluate(&mut self, bank: &mut dyn DeviceBank, watch: &mut dyn Watch) {
         for (place, entry) in self.entries.iter_mut().enumerate() {
             let Some(entry) = entry.as_mut().filter(|e| is_due(e, self.tick)) else {
@@ -93,7 +94,7 @@ impl Core {
         }
     }
 
-    /// Decides once what comes next: who has ended, then which rules fire.
+    /// Decides what happens after this cycle: first ends of commands, then firing of rules.
     fn decide(&mut self, bank: &mut dyn DeviceBank) {
         let now = self.tick;
         let mut stop = false;
@@ -119,7 +120,7 @@ impl Core {
     }
 }
 
-/// Does a phase of the cycle for each command that is due.
+/// Runs one phase of the cycle for each command that is due.
 fn due(entries: &mut [Option<Entry>], tick: u64, mut phase: impl FnMut(&mut Command)) {
     for entry in entries.iter_mut().flatten().filter(|e| is_due(e, tick)) {
         phase(&mut entry.command);

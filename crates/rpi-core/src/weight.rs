@@ -1,5 +1,5 @@
-//! How much an image has to do in a cycle at most, and where: a bound for who decides what may run together, and the places to
-//! look at when a cycle took too long.
+//! Static bounds of the work per cycle, for deciding which commands fit into a tick, and the candidates for the place
+//! of an overrun.
 
 use crate::load::catalogue;
 use rpi_image::image::{Image, Step};
@@ -11,25 +11,25 @@ use alloc::collections::BTreeMap;
 use alloc::vec;
 use alloc::vec::Vec;
 
-/// Fragments that are told apart: to look for the one that was at work takes no longer than this.
+/// Number of fragments kept as candidates for the place of an overrun. Bounds the search.
 const HEAVIEST: usize = 16;
-/// What a device may take for a set-point or a function: about an inverse kinematics.
+/// Assumed work of a device for a set-point or a function call: about one inverse kinematics.
 const DEVICE: u64 = 500;
-/// Cells that are moved or filled in the time of an elementary operation.
+/// Number of slots that are copied or filled in the time of one elementary operation.
 const MOVED: u64 = 4;
 
-/// Bounds in elementary operations (a real addition is 1).
+/// Bounds of the work per cycle, in elementary operations (a real addition is 1).
 pub(crate) struct Weight {
-    /// All primitives, as if all fragments were active.
+    /// Work of all primitives, as if all fragments were active.
     pub(crate) primitives: u64,
-    /// What is done around them: devices, jumps, copies, fragments that start afresh.
+    /// Work besides primitives: devices, jumps, copies, resets of fragments.
     pub(crate) around: u64,
-    /// The fragments with the most primitives of their own, the heaviest first; those of fragments inside are theirs.
+    /// The fragments with the most work of their own, heaviest first. Nested fragments count separately.
     pub(crate) heaviest: Box<[u32]>,
 }
 
 impl Weight {
-    /// Of a verified image.
+    /// Computes the bounds of a verified image.
     pub(crate) fn of(image: &Image) -> Weight {
         let prims = image.prims.iter().map(|used| catalogue(&used.name));
         let prims: Vec<Option<&PrimDesc>> = prims.collect();
@@ -44,12 +44,12 @@ impl Weight {
     }
 }
 
-/// What the steps of each fragment add up to.
+/// Sum of the work of each fragment's own steps, without nested fragments.
 fn own(image: &Image, work: impl Fn(&Step) -> u64) -> Vec<u64> {
     let mut own = vec![0_u64; image.fragments.len()];
     let begins = image.fragments.iter().map(|f| f.active).zip(0_usize..);
     let begins: BTreeMap<u32, usize> = begins.collect();
-    // Fragments that enclose the present step, with the step at which they end.
+    // Fragments that enclose the current step, each with its last step (exclusive).
     let mut open: Vec<(usize, usize)> = Vec::new();
     for (at, step) in image.steps.iter().enumerate() {
         while open.last().is_some_and(|(_, end)| *end <= at) {
@@ -69,14 +69,14 @@ fn own(image: &Image, work: impl Fn(&Step) -> u64) -> Vec<u64> {
 }
 
 fn heaviest(own: &[u64]) -> Box<[u32]> {
-    // Fewer than 2^32 fragments.
+    // There are fewer than 2^32 fragments.
     let mut all: Vec<u32> = (0..own.len() as u32).collect();
     all.sort_by_key(|f| (core::cmp::Reverse(own[*f as usize]), *f));
     all.truncate(HEAVIEST);
     all.into()
 }
 
-/// The bound of a row of primitives.
+/// Work of a row of primitive calls.
 fn primitives(image: &Image, prims: &[Option<&PrimDesc>], step: &Step) -> u64 {
     let Step::Run {
         prim,
@@ -98,7 +98,7 @@ fn primitives(image: &Image, prims: &[Option<&PrimDesc>], step: &Step) -> u64 {
     })
 }
 
-/// The bound of a primitive with these operands.
+/// Work of one primitive call with these operands.
 fn of_one(desc: &PrimDesc, fields: &[Field], words: &[u32]) -> u64 {
     let mut words = words;
     let mut factor = 1;
@@ -110,7 +110,8 @@ fn of_one(desc: &PrimDesc, fields: &[Field], words: &[u32]) -> u64 {
     u64::from(desc.work).saturating_mul(factor)
 }
 
-/// How large an operand is; a state is as large as it likes, since only its ends are looked at.
+/// Type and size of an operand. A state counts as one scalar whatever its size, since a primitive only touches its
+/// ends.
 fn size(field: Field, words: &[u32]) -> Type {
     match (field.part, field.sizes, words) {
         (Part::State, ..) => Type::One(Scalar::Real),
@@ -120,7 +121,7 @@ fn size(field: Field, words: &[u32]) -> Type {
     }
 }
 
-/// The bound of a step that runs no primitive.
+/// Work of a step that runs no primitive.
 fn around(image: &Image, step: &Step) -> u64 {
     match *step {
         Step::Run { .. } => 0,

@@ -1,10 +1,10 @@
-//! Rules as plain numbers, for those who record requests and make them again: a recording, another machine.
+//! Encoding of rules as plain numbers, for recordings and transmission.
 //!
 //! ```text
 //! rule      = condition, stop, cancel, start, handed over (each its length, then its words), kept (0 or 1)
 //! handed    = predecessor, export, successor, input
-//! condition = words of three numbers: what, command, argument
-//! set       = commands by their numbers
+//! condition = words of three numbers: opcode, command, argument
+//! set       = command ids
 //! ```
 
 use crate::condition::{Condition, Word};
@@ -14,7 +14,7 @@ use crate::rule::Rule;
 use alloc::vec::Vec;
 
 impl Rule {
-    /// The rule as numbers; [`Rule::from_words`] makes it again.
+    /// Encodes the rule; see [`Rule::from_words`].
     #[must_use]
     pub fn to_words(&self) -> Vec<u64> {
         let condition: Vec<u64> = self.condition.words().flat_map(Word::numbers).collect();
@@ -33,7 +33,7 @@ impl Rule {
         words
     }
 
-    /// The rule behind these numbers; none if they make none.
+    /// Decodes a rule; `None` if the numbers are malformed.
     #[must_use]
     pub fn from_words(words: &[u64]) -> Option<Rule> {
         let (condition, rest) = take(words)?;
@@ -63,7 +63,7 @@ fn put(words: &mut Vec<u64>, part: impl ExactSizeIterator<Item = u64>) {
     words.extend(part);
 }
 
-/// A part with its length before it, and what follows it.
+/// Splits off a part with a length prefix. Returns the part and the rest.
 fn take(words: &[u64]) -> Option<(&[u64], &[u64])> {
     let (len, rest) = words.split_first()?;
     rest.split_at_checked(usize::try_from(*len).ok()?)
@@ -101,7 +101,7 @@ mod tests {
         assert_eq!(Rule::from_words(&rule().to_words()), Some(rule()));
     }
 
-    /// Whatever numbers come: a rule whose condition can be looked at, or none.
+    /// Decoding arbitrary numbers yields `None` or a rule whose condition can be evaluated.
     #[test]
     fn what_is_no_rule_is_refused() {
         let words = rule().to_words();

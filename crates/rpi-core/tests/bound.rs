@@ -1,4 +1,4 @@
-//! The compiler's bound on the work of a cycle, held against what cycles do.
+//! Compares the compiler's bound on the work per cycle with the work that cycles do.
 
 use rpi_bench::generate;
 use rpi_bench::{Build, Puppet, build};
@@ -12,11 +12,11 @@ use rpi_prims::PrimId;
 const MS: u64 = 1_000_000;
 const ROOT: FragmentId = FragmentId::ROOT;
 
-/// The bound of a net, and what each of its first cycles did, in elementary operations.
+/// Bound of a net and the work of each of its first cycles, in elementary operations.
 fn bound_and_cycles(net: &Net, cycles: u64) -> (u64, Vec<u64>) {
     let analysis: Analysis = analyse(net.clone(), |_| false).expect("a net in order");
     let plan = Plan::of(&analysis).expect("no rings");
-    // One step for each primitive: what is walked through is what is done.
+    // Lowered as observed, with one step for each primitive, so that the executed steps can be counted.
     let image = lower(&analysis.net, &plan, &LowerOptions::observed(MS)).expect("it is small");
     let works: Vec<u64> = image.steps.iter().map(|step| work(&image, step)).collect();
     let mut bank = Puppet::new();
@@ -36,7 +36,7 @@ fn bound_and_cycles(net: &Net, cycles: u64) -> (u64, Vec<u64>) {
     (analysis.work.of(ROOT), done.collect())
 }
 
-/// What a step costs by the declaration of its primitive.
+/// Work of a step according to the declaration of its primitive.
 fn work(image: &rpi_image::Image, step: &Step) -> u64 {
     let Step::Run { prim, .. } = *step else {
         return 0;
@@ -45,7 +45,7 @@ fn work(image: &rpi_image::Image, step: &Step) -> u64 {
     u64::from(prim.prim().desc.work)
 }
 
-/// Row 16: whatever the values, no cycle does more than the bound that was worked out before it ran.
+/// Row 16: no cycle does more work than the precomputed bound, whatever the values.
 #[test]
 fn no_cycle_does_more_than_its_bound() {
     for seed in 0..8 {
@@ -59,7 +59,7 @@ fn no_cycle_does_more_than_its_bound() {
     }
 }
 
-/// Of two fragments of which one is active the larger counts; the bound is what the cycles of that one do.
+/// Of two mutually exclusive fragments the bound counts the larger one, and cycles with that fragment reach it.
 #[test]
 fn the_bound_of_fragments_that_exclude_each_other_is_reached() {
     let mut b = Build::new("Gates");
@@ -84,7 +84,7 @@ fn the_bound_of_fragments_that_exclude_each_other_is_reached() {
         b.export(name, flow);
     }
     let (bound, cycles) = bound_and_cycles(&b.net, 10);
-    // Telling the two flows is no step of its own.
+    // Distinguishing the two flows needs no step of its own.
     assert_eq!(cycles[0] + 2, bound, "{cycles:?}");
     assert!(cycles.iter().all(|done| *done <= bound), "{cycles:?}");
     assert_eq!(cycles[9] + 45, cycles[0], "{cycles:?}");

@@ -1,4 +1,4 @@
-//! Commands that follow one another: no cycle between them, nothing moves without a command or a stop in control.
+//! Takeovers: the successor starts without a gap, and nothing moves without a command or a stop in control.
 
 mod support;
 
@@ -37,7 +37,8 @@ fn a_command_runs_to_its_end() {
     assert_eq!(steps(&bank, 0), [1, 1, 1, 1, 0]);
 }
 
-/// Fig. 5 (a): scheduled in time, the predecessor yields in motion and the successor goes on in the next tick. (M1.4, M10.2, M11.2)
+/// Fig. 5 (a): scheduled in time, the predecessor yields in motion and the successor continues in the next tick. (M1.4,
+/// M10.2, M11.2)
 #[test]
 fn a_successor_takes_over_in_motion() {
     let mut bank = Axes::new();
@@ -51,14 +52,15 @@ fn a_successor_takes_over_in_motion() {
     assert_eq!(bank.stops, [0; 4]);
 }
 
-/// The last set-point of a command holds for its whole period: the device hears of the successor's when that begins. (S5)
+/// The last set-point of a command holds for its whole period. The device gets the successor's period when the
+/// successor starts. (S5)
 #[test]
 fn a_successor_of_a_shorter_period_begins_when_its_predecessor_would_go_on() {
     let mut bank = Axes::new();
     let mut core = Core::with_capacity(4, MS);
     let mut insert = |period, net: Net| {
         let mut command = load_for(period, &net, &mut bank);
-        // These axes know no periods.
+        // These test axes ignore periods, so the velocity appears to change.
         command.guard(Continuity::Allow);
         core.insert(command).map_err(|e| e.1).expect("room")
     };
@@ -73,7 +75,7 @@ fn a_successor_of_a_shorter_period_begins_when_its_predecessor_would_go_on() {
         ticks(&mut core, &mut bank, 1);
         paces.push((bank.paces[0], bank.set_points(0).len()));
     }
-    // Two set-points for five ticks each, then one in every tick.
+    // Two set-points with a period of five ticks, then one in every tick.
     let first = [(5, 1); 5].into_iter().chain([(5, 2); 5]);
     assert_eq!(paces, first.chain([(1, 3), (1, 4)]).collect::<Vec<_>>());
 }
@@ -93,7 +95,7 @@ fn without_a_successor_a_yield_is_passed_over() {
     assert_eq!(steps(&bank, 0), [1, 1, 1, 1, 1, 0, 1, 1, 0]);
 }
 
-/// R2: all that it needs or nothing, and it stays ready.
+/// R2: a command gets all its resources or none, and a rejected one stays ready.
 #[test]
 fn a_refused_start_leaves_it_ready_and_names_the_holder() {
     let mut bank = Axes::new();
@@ -111,7 +113,7 @@ fn a_refused_start_leaves_it_ready_and_names_the_holder() {
     assert_eq!(core.start(ids[1], &mut bank), Ok(()));
 }
 
-/// A successor that does not take the moving axis does not count.
+/// A successor that does not take the moving axis does not enable a `yield`.
 #[test]
 fn a_yield_needs_a_successor_that_takes_what_moves() {
     let mut bank = Axes::new();
@@ -141,7 +143,7 @@ fn resources_are_exclusive_and_inherited() {
     });
     assert_eq!(core.start(ids[1], &mut bank), held);
     follow(&mut core, ids[1], ids[0], true, &mut bank).unwrap();
-    // A scheduled command holds what was free at once.
+    // A scheduled command takes its free resources at once.
     follow(&mut core, ids[2], ids[1], true, &mut bank).unwrap();
     let held = Err(Refused::Held {
         resource: 1,
@@ -159,8 +161,8 @@ fn resources_are_exclusive_and_inherited() {
     );
 }
 
-/// Made from its end on, each link long before it is known that the one before it can run: all of them wait, and run one after
-/// the other without a gap. If one in the middle is unloaded, all behind it are given up.
+/// A chain is built from its end, before it is known that earlier commands can run. All commands wait and run one after
+/// the other without a gap. Unloading one in the middle orphans all commands after it.
 #[test]
 fn a_chain_can_be_made_from_its_end() {
     const LINKS: usize = 150;
@@ -240,7 +242,8 @@ fn cancel_is_a_request_that_drops_the_successor() {
     core.start(ids[1], &mut bank).unwrap();
 }
 
-/// Two writers of one axis in a cycle: the second is told, the command ends with a fault, the axis stops by itself. (M9.4)
+/// Two writers of one axis in a cycle: the second set-point is rejected, the command ends with a fault, and the axis
+/// stops. (M9.4)
 #[test]
 fn concurrent_access_is_a_fault() {
     let mut bank = Axes::new();
@@ -263,7 +266,8 @@ fn concurrent_access_is_a_fault() {
     );
 }
 
-/// A failed device refuses set-points; what moves without one is stopped, and the command ends. (M9.2)
+/// A failed device rejects set-points. An axis that moves without a set-point is stopped, and the command ends with a
+/// fault. (M9.2)
 #[test]
 fn a_moving_axis_without_set_point_is_stopped() {
     let mut bank = Axes::new();
@@ -299,7 +303,7 @@ fn loading_tells_every_reason() {
         .unwrap();
     assert_eq!(faults.len(), 4, "{faults:?}");
     assert!(
-        faults[0].to_string().contains("the device has not so many"),
+        faults[0].to_string().contains("the index is out of range"),
         "{}",
         faults[0]
     );
@@ -326,7 +330,7 @@ fn a_table_has_its_size_and_numbers_are_not_used_again() {
     assert_eq!(core.remove(new).err(), Some(Refused::State(State::Running)));
 }
 
-/// The least of what a net can be: the root, which is always there.
+/// The smallest net has only the root fragment.
 #[test]
 fn an_empty_net_runs_for_ever() {
     let mut bank = Axes::new();
@@ -338,7 +342,8 @@ fn an_empty_net_runs_for_ever() {
     assert_eq!(core.command(ids[0]).unwrap().state(), State::Running);
 }
 
-/// What becomes of a mover on axis 1 and a leaper that takes axis 0 over in motion from tick 4 on, at this tick.
+/// State at the check of a takeover in motion: a mover on axis 1, and a leaper that takes over axis 0 with a
+/// discontinuity from tick 4 on.
 fn leap(guard: Continuity) -> (Axes, [Option<Cause>; 2], Vec<Notice>) {
     let mut bank = Axes::new();
     let nets = [mover(0, 9, 4), mover(1, 50, 100), leaper(0)];
@@ -358,7 +363,7 @@ fn leap(guard: Continuity) -> (Axes, [Option<Cause>; 2], Vec<Notice>) {
     (bank, causes, jumps)
 }
 
-/// J2: none of its set-points is handed over, the device stops, others run on.
+/// J2: no set-point of the successor is sent, the device stops, and other commands continue.
 #[test]
 fn a_successor_that_jumps_is_refused() {
     let (bank, causes, jumps) = leap(Continuity::Refuse);
@@ -371,7 +376,7 @@ fn a_successor_that_jumps_is_refused() {
     assert_eq!(bank.stops, [1, 0, 0, 0]);
 }
 
-/// J3: everything is stopped.
+/// J3: all commands are stopped.
 #[test]
 fn a_jump_can_stop_everything() {
     let (bank, causes, jumps) = leap(Continuity::Stop);
@@ -380,7 +385,7 @@ fn a_jump_can_stop_everything() {
     assert_eq!((bank.stops, jumps.len()), ([1, 1, 0, 0], 1));
 }
 
-/// J4: it is told, and the device decides.
+/// J4: the discontinuity is reported, and the device decides.
 #[test]
 fn a_jump_can_be_allowed() {
     let (bank, causes, jumps) = leap(Continuity::Allow);

@@ -1,4 +1,4 @@
-//! Which words of an operation are read and which are written.
+//! Read and write sets of operations.
 
 use crate::flat::{Flat, Op, Work};
 use crate::slots::Slot;
@@ -7,30 +7,30 @@ use rpi_image::operands::{Part, fields};
 use rpi_prims::PrimId;
 use std::rc::Rc;
 
-/// What an operation does with one of its words.
+/// Access of an operation through one of its operand words.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Access {
-    /// It reads the value of this slot.
+    /// Reads the value of this register.
     Read,
-    /// It reads a presence, to decide.
+    /// Reads a presence, which decides what the operation does.
     Decide,
-    /// It writes this slot.
+    /// Writes this register.
     Write,
-    /// It keeps this slot from cycle to cycle.
+    /// Keeps state in this register from cycle to cycle.
     Keep,
-    /// The word is a number, no slot.
+    /// The word is a number, not a register.
     Number,
 }
 
-/// The accesses of every form of every primitive that was asked for.
+/// Cache of the accesses of every primitive and form that was requested.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Shapes {
-    /// Two per primitive.
+    /// Two entries per primitive, one for each form.
     known: Vec<Option<Rc<[Access]>>>,
 }
 
 impl Shapes {
-    /// One entry per operand word.
+    /// Accesses of a primitive in a form, one per operand word. Computes them on the first request.
     pub(crate) fn of(&mut self, prim: PrimId, form: Form) -> Rc<[Access]> {
         let at = usize::from(prim.0) * 2 + form as usize;
         if self.known.len() <= at {
@@ -39,7 +39,7 @@ impl Shapes {
         Rc::clone(self.known[at].get_or_insert_with(|| accesses(prim, form).into()))
     }
 
-    /// One entry per operand word, if [`Shapes::of`] was asked before.
+    /// Accesses of a primitive in a form, one per operand word; empty unless [`Shapes::of`] was called before.
     pub(crate) fn get(&self, prim: PrimId, form: Form) -> &[Access] {
         let at = usize::from(prim.0) * 2 + form as usize;
         self.known.get(at).and_then(|s| s.as_deref()).unwrap_or(&[])
@@ -62,17 +62,17 @@ fn accesses(prim: PrimId, form: Form) -> Vec<Access> {
     all
 }
 
-/// What one operation does with its words.
+/// Accesses of one operation.
 #[derive(Clone, Copy)]
 pub(crate) enum Shape<'a> {
     /// One entry per word.
     Each(&'a [Access]),
-    /// So many are read, the others written.
+    /// The first words, this many, are read; the others are written.
     Split(usize),
 }
 
 impl Shape<'_> {
-    /// What is done with word `k`.
+    /// Access through word `k`.
     pub(crate) fn access(self, k: usize) -> Access {
         match self {
             Shape::Each(all) => all[k],
@@ -83,14 +83,14 @@ impl Shape<'_> {
 }
 
 impl Access {
-    /// The word is read, for its value or to decide.
+    /// True if the word is read, as a value or as a presence.
     pub(crate) const fn is_read(self) -> bool {
         matches!(self, Access::Read | Access::Decide)
     }
 }
 
 impl Shapes {
-    /// What an operation does with its words.
+    /// Accesses of an operation.
     pub(crate) fn shape(&self, op: Op) -> Shape<'_> {
         match op.work {
             Work::Run(prim, form) => Shape::Each(self.get(prim, form)),
@@ -101,7 +101,7 @@ impl Shapes {
 }
 
 impl Flat {
-    /// What an operation does with its words, in order; numbers are left out.
+    /// The registers of an operation with their accesses, in order; numbers are omitted.
     pub(crate) fn accesses(&self, op: Op) -> impl Iterator<Item = (Access, Slot)> + '_ {
         let shape = self.shapes.shape(op);
         let words = self.words(op).iter().enumerate();
@@ -111,12 +111,12 @@ impl Flat {
         })
     }
 
-    /// What an operation does with its word `k`.
+    /// Access of an operation through its word `k`.
     pub(crate) fn access(&self, op: Op, k: usize) -> Access {
         self.shapes.shape(op).access(k)
     }
 
-    /// Replaces the slots that an operation accesses in a certain way.
+    /// Replaces the registers of an operation whose access satisfies `which`.
     pub(crate) fn replace(
         &mut self,
         op: Op,
@@ -132,12 +132,12 @@ impl Flat {
         }
     }
 
-    /// The slots that an operation reads, constants and presences included.
+    /// The registers that an operation reads, including constants and presences.
     pub(crate) fn reads(&self, op: Op) -> impl Iterator<Item = Slot> + '_ {
         self.accesses(op).filter(|a| a.0.is_read()).map(|a| a.1)
     }
 
-    /// The slots that an operation writes.
+    /// The registers that an operation writes.
     pub(crate) fn writes(&self, op: Op) -> impl Iterator<Item = Slot> + '_ {
         self.accesses(op)
             .filter(|a| a.0 == Access::Write)

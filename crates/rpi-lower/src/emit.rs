@@ -1,4 +1,4 @@
-//! Gives every slot its cells and writes the image.
+//! Code emission: assigns memory slots to registers and writes the image.
 
 mod cells;
 mod code;
@@ -12,13 +12,13 @@ use rpi_image::Image;
 use rpi_image::image::{End, MAX_CELLS, Signal};
 use rpi_net::Net;
 
-/// Writes the image of a net that was taken apart.
+/// Writes the image of a flat net. The error is a message: the command needs too much memory.
 pub(crate) fn emit(net: &Net, flat: &Flat, options: &LowerOptions<'_>) -> Result<Image, String> {
     let layouts = Layouts::new(net, flat);
     if layouts.layout.cells > MAX_CELLS {
         let (cells, most) = (layouts.layout.cells, MAX_CELLS);
         return Err(format!(
-            "it needs {cells} cells of memory, more than {most}"
+            "memory limit exceeded: {cells} slots, at most {most} allowed"
         ));
     }
     let mut image = Image {
@@ -35,7 +35,7 @@ pub(crate) fn emit(net: &Net, flat: &Flat, options: &LowerOptions<'_>) -> Result
     Ok(image)
 }
 
-/// Tables, with cells in place of slots.
+/// Writes the tables of the image, with registers replaced by memory slots.
 fn tables(flat: &Flat, layouts: &Layouts, image: &mut Image) {
     let t = flat.tables.clone();
     image.sensors = t.sensors.into_iter().map(|s| s.0).collect();

@@ -1,4 +1,5 @@
-//! The net taken apart: operations on slots in a tree of scopes. What the passes work on.
+//! The intermediate representation of the lowering: operations on virtual registers in a tree of scopes. All passes
+//! work on it.
 
 use crate::access::Shapes;
 use crate::slots::{Slot, Slots};
@@ -6,7 +7,7 @@ use rpi_image::Answer;
 use rpi_image::image::{DevicePort, End, Export, Flow, Form, Fragment, InputPort, Sensor, Signal};
 use rpi_prims::PrimId;
 
-/// Number of a scope; 0 is the root, always active.
+/// Index of a scope; 0 is the root, which is always active.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub(crate) struct ScopeId(pub(crate) u32);
 
@@ -18,16 +19,19 @@ impl ScopeId {
     }
 }
 
-/// What an operation does.
+/// Kind of an operation.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub(crate) enum Work {
-    /// One primitive; words as [`rpi_image::operands`] tells, with slots in place of cells.
+    /// A call of a primitive. Its words are laid out as in [`rpi_image::operands`], with registers in place of memory
+    /// slots.
     Run(PrimId, Form),
-    /// One value: words from, to.
+    /// A copy of one value. Words: source, target.
     Copy,
-    /// Index into [`Tables::actuators`], and how many of the words are inputs; the others are answers.
+    /// A set-point: index into [`Tables::actuators`], and the number of words that are inputs. The other words are
+    /// answers.
     Actuate(u32, u32),
-    /// Index into [`Tables::functions`], and how many of the words are arguments; the others are results.
+    /// A device function: index into [`Tables::functions`], and the number of words that are arguments. The other words
+    /// are results.
     Call(u32, u32),
 }
 
@@ -35,14 +39,14 @@ pub(crate) enum Work {
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct Op {
     pub(crate) work: Work,
-    /// Its words in [`Flat::words`].
+    /// Start of its words in [`Flat::words`].
     pub(crate) at: u32,
     pub(crate) len: u32,
-    /// The node that it computes; `u32::MAX` for what the lowering adds.
+    /// The node that it computes; [`NO_NODE`] for operations added by the lowering.
     pub(crate) node: u32,
 }
 
-/// What stands in a scope, in order.
+/// An element of a scope.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Item {
     /// Index into [`Flat::ops`].
@@ -50,24 +54,24 @@ pub(crate) enum Item {
     Scope(ScopeId),
 }
 
-/// Operations that are skipped together.
+/// Operations that are skipped together, with nested scopes.
 #[derive(Clone, Debug)]
 pub(crate) struct Scope {
     pub(crate) parent: Option<ScopeId>,
-    /// Skipped unless it is true; [`Slot::TRUE`] for a scope that exists for its reset.
+    /// The scope is skipped unless this register is true. [`Slot::TRUE`] for a scope that exists only for its reset.
     pub(crate) guard: Slot,
-    /// Initial state for a fragment unless the slot is true, before anything else.
+    /// Restores the initial state of a fragment at the start of the scope, unless the register is true.
     pub(crate) reset: Option<(Slot, u32)>,
     pub(crate) items: Vec<Item>,
-    /// Values kept for the next cycle: (from, to).
+    /// Values stored for the next cycle: (source, target).
     pub(crate) latches: Vec<(Slot, Slot)>,
 }
 
-/// Tables of the image, with slots in place of cells.
+/// Tables of the image, with registers in place of memory slots.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Tables {
     pub(crate) fragments: Vec<Fragment>,
-    /// Sensors with the node for which each is read.
+    /// Sensors, each with the node that reads it.
     pub(crate) sensors: Vec<(Sensor, u32)>,
     pub(crate) actuators: Vec<Actuator>,
     pub(crate) functions: Vec<Function>,
@@ -75,26 +79,26 @@ pub(crate) struct Tables {
     pub(crate) exports: Vec<Export>,
     pub(crate) flows: Vec<Flow>,
     pub(crate) end: End,
-    /// Every port: node, port, value.
+    /// Every port of every node: node, port, value.
     pub(crate) probes: Vec<(u32, u8, Signal)>,
 }
 
-/// An actuator port; inputs and answers are words of its operation.
+/// An actuator port. Its inputs and answers are words of the operation.
 #[derive(Clone, Debug)]
 pub(crate) struct Actuator {
     pub(crate) port: DevicePort,
     pub(crate) answers: &'static [Answer],
 }
 
-/// A device function; arguments and results are words of its operation.
+/// A device function. Its arguments and results are words of the operation.
 #[derive(Clone, Debug)]
 pub(crate) struct Function {
     pub(crate) port: DevicePort,
-    /// The last of its words tells whether there was a result.
+    /// The last word of the operation receives whether there was a result.
     pub(crate) maybe: bool,
 }
 
-/// A net taken apart.
+/// A flat net.
 #[derive(Clone, Debug)]
 pub(crate) struct Flat {
     pub(crate) slots: Slots,
@@ -105,11 +109,12 @@ pub(crate) struct Flat {
     pub(crate) tables: Tables,
 }
 
-/// An operation that belongs to no node.
+/// Node number of operations that belong to no node.
 pub(crate) const NO_NODE: u32 = u32::MAX;
 
 impl Flat {
-    /// Nothing yet, with room for about so many primitives: large tables that grow leave holes behind.
+    /// An empty net with capacity for about `primitives` primitives. Reserving avoids the fragmentation that growing
+    /// large tables causes.
     pub(crate) fn new(primitives: usize) -> Self {
         let root = Scope {
             parent: None,
@@ -128,7 +133,7 @@ impl Flat {
         }
     }
 
-    /// Opens a scope inside `parent`. It takes its place there when it is closed.
+    /// Opens a scope inside `parent`. The scope is inserted there when it is closed.
     pub(crate) fn open(&mut self, parent: ScopeId, guard: Slot) -> ScopeId {
         let id = ScopeId(index(self.scopes.len()));
         self.scopes.push(Scope {
@@ -141,14 +146,14 @@ impl Flat {
         id
     }
 
-    /// Puts a scope into its parent, behind everything that is there so far.
+    /// Appends a scope to its parent.
     pub(crate) fn close(&mut self, scope: ScopeId) {
         if let Some(parent) = self.scopes[scope.index()].parent {
             self.scopes[parent.index()].items.push(Item::Scope(scope));
         }
     }
 
-    /// Adds an operation at the end of a scope.
+    /// Appends an operation to a scope.
     pub(crate) fn push(&mut self, scope: ScopeId, work: Work, words: &[u32], node: u32) {
         if let Work::Run(prim, form) = work {
             self.shapes.of(prim, form);
@@ -171,7 +176,7 @@ impl Flat {
     }
 }
 
-/// Nothing in a net has 2^32 parts.
+/// Converts a length to an index. No table of a net has 2^32 entries.
 pub(crate) fn index(n: usize) -> u32 {
     u32::try_from(n).expect("fewer than 2^32 parts")
 }

@@ -1,10 +1,11 @@
-//! From a scheduled net to the flat image.
+//! Lowering: from a scheduled net to the flat image.
 //!
 //! ```text
-//! Net + Plan --build--> Flat (slots, operations in a tree of scopes) --passes--> Flat --emit--> Image
+//! Net + Plan --build--> Flat (registers, operations in a tree of scopes) --passes--> Flat --emit--> Image
 //! ```
-//! [`mod@build`] decides what runs under which guard, the passes make it faster without changing a bit, [`mod@emit`] gives
-//! every slot its cells. Nothing here knows a source text or a device; nothing here runs a net.
+//! [`mod@build`] decides under which guard each operation runs. The passes optimise without changing a bit of the
+//! results. [`mod@emit`] assigns memory slots. This crate does not depend on source texts or devices, and does not run
+//! nets.
 
 mod access;
 mod build;
@@ -26,10 +27,10 @@ use rpi_image::Image;
 use rpi_net::Net;
 use rpi_prims::PrimId;
 
-/// Lowers a net that has passed the checks.
+/// Lowers a net that has passed all checks.
 ///
 /// # Errors
-/// What makes the command too large to run, in words for its author.
+/// Returns a message for the author if the command is too large to run.
 pub fn lower(net: &Net, plan: &Plan<'_>, options: &LowerOptions<'_>) -> Result<Image, String> {
     let mut flat = build::build(net, plan, options);
     if options.observe == Observe::Exports {
@@ -42,12 +43,12 @@ pub fn lower(net: &Net, plan: &Plan<'_>, options: &LowerOptions<'_>) -> Result<I
     emit::emit(net, &flat, options)
 }
 
-/// Names of the passes and what each is for, in order.
+/// Names and descriptions of the passes, in order.
 pub fn passes() -> impl Iterator<Item = (&'static str, &'static str)> {
     passes::PASSES.iter().map(|p| (p.name, p.what))
 }
 
-/// Verifies what a pass has left, as an image.
+/// Verifies the image of the net after a pass. Panics on a verification error.
 fn check(net: &Net, flat: &Flat, options: &LowerOptions<'_>, pass: &str) {
     let catalogue = |name: &str| PrimId::of(name).map(PrimId::desc);
     let Ok(image) = emit::emit(net, flat, options) else {

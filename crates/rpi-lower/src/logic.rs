@@ -1,4 +1,4 @@
-//! Booleans that the lowering computes: presence and activation, by ordinary steps.
+//! Boolean operations that the lowering adds for presence and activation.
 
 use crate::flat::{Flat, NO_NODE, ScopeId, Work};
 use crate::slots::{Region, Slot};
@@ -7,14 +7,15 @@ use rpi_net::prim;
 use rpi_prims::PrimId;
 use rustc_hash::FxHashMap;
 
-/// What was computed already: (primitive, first, second) to result and the scope in which it stands.
+/// Value numbering of Boolean operations: maps (primitive, first, second) to results and the scopes in which they are
+/// computed.
 #[derive(Default)]
 pub(crate) struct Logic {
     known: FxHashMap<(PrimId, Slot, Slot), Vec<(ScopeId, Slot)>>,
 }
 
 impl Logic {
-    /// Both, computed in `scope` unless a scope around it has it already.
+    /// Conjunction of two registers, computed in `scope` unless it is known in an enclosing scope.
     pub(crate) fn and(&mut self, flat: &mut Flat, scope: ScopeId, a: Slot, b: Slot) -> Slot {
         let (a, b) = (a.min(b), a.max(b));
         match (a, b) {
@@ -25,7 +26,7 @@ impl Logic {
         }
     }
 
-    /// Either.
+    /// Disjunction of two registers; see [`Logic::and`].
     pub(crate) fn or(&mut self, flat: &mut Flat, scope: ScopeId, a: Slot, b: Slot) -> Slot {
         let (a, b) = (a.min(b), a.max(b));
         match (a, b) {
@@ -36,7 +37,7 @@ impl Logic {
         }
     }
 
-    /// The opposite.
+    /// Negation of a register; see [`Logic::and`].
     pub(crate) fn not(&mut self, flat: &mut Flat, scope: ScopeId, a: Slot) -> Slot {
         match a {
             Slot::FALSE => Slot::TRUE,

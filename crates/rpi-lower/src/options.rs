@@ -1,32 +1,32 @@
-//! What a lowering is asked for.
+//! Options of the lowering.
 
 use rpi_net::PortRef;
 use rpi_prims::Clock;
 
-/// How a net is lowered.
+/// Options of the lowering.
 #[derive(Clone, Copy)]
 pub struct LowerOptions<'a> {
-    /// Period in nanoseconds.
+    /// Period of the command in nanoseconds.
     pub period_ns: u64,
-    /// Length of a tick, nanoseconds: a whole fraction of the period, which values of the type `time` count.
+    /// Length of a tick in nanoseconds. It divides the period, and values of type `time` count it.
     pub tick_ns: u64,
-    /// What must be visible while it runs.
+    /// Values that must be observable while the image runs.
     pub observe: Observe,
-    /// Ports that may turn out absent whatever their primitive says: a replay may force that on them.
+    /// Ports that may be absent even if their primitive is always present. A replay can force them to be absent.
     pub may_be_absent: &'a dyn Fn(PortRef) -> bool,
 }
 
-/// What must be visible while an image runs.
+/// Observability of a running image.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Observe {
-    /// Every port of every node, node by node: for replay, tracing and debugging.
+    /// Every port of every node, one step per node: for replay, tracing and debugging.
     All,
-    /// Results, exports and set-points only: what the passes may rearrange for speed.
+    /// Only results, exports and set-points, so that the passes may optimise everything else.
     Exports,
 }
 
 impl LowerOptions<'_> {
-    /// For running: only what leaves the command is visible.
+    /// Options for running: only exports, results and set-points are observable.
     #[must_use]
     pub fn running(period_ns: u64) -> Self {
         LowerOptions {
@@ -37,7 +37,7 @@ impl LowerOptions<'_> {
         }
     }
 
-    /// For looking at everything.
+    /// Options for observing every port.
     #[must_use]
     pub fn observed(period_ns: u64) -> Self {
         LowerOptions {
@@ -52,13 +52,13 @@ impl LowerOptions<'_> {
         self.period_ns as f64 / 1e9
     }
 
-    /// The same with another tick.
+    /// The same options with another tick, in nanoseconds.
     #[must_use]
     pub fn with_tick(self, tick_ns: u64) -> Self {
         LowerOptions { tick_ns, ..self }
     }
 
-    /// The clocks as constants see them, in cycle 0.
+    /// The clock in cycle 0, for folding constants.
     pub(crate) fn clock(&self) -> Clock {
         Clock {
             dt: self.dt(),

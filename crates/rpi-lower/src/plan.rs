@@ -1,21 +1,21 @@
-//! What the passes over the net found out and the lowering needs.
+//! Results of the net analyses that the lowering needs.
 
 use rpi_net::Tree;
 use rpi_net::passes::{Analysis, Presences, Schedule};
 
-/// Order and presence of a net.
+/// Schedule and presences of a net.
 #[derive(Clone, Copy, Debug)]
 pub struct Plan<'a> {
-    /// Its fragments as a tree.
+    /// Fragments of the net as a tree.
     pub tree: &'a Tree,
-    /// The order of evaluation.
+    /// Order of evaluation.
     pub schedule: &'a Schedule,
-    /// Which flows may be absent.
+    /// Flows that may be absent.
     pub presences: &'a Presences,
 }
 
 impl<'a> Plan<'a> {
-    /// What was found out about a net; none if something in it depends on itself.
+    /// The plan of an analysed net; `None` if the net has a dependency cycle and therefore no schedule.
     #[must_use]
     pub fn of(analysis: &'a Analysis) -> Option<Plan<'a>> {
         Some(Plan {

@@ -1,18 +1,18 @@
-//! Places for values before they have cell numbers.
+//! Virtual registers: storage for values before memory slots are assigned.
 
 use rpi_image::Value;
 use rpi_net::FragmentId;
 use rustc_hash::FxHashMap;
 use std::collections::BTreeMap;
 
-/// A place for one value: some cells side by side.
+/// A virtual register: storage for one value, in one or more adjacent memory slots.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub(crate) struct Slot(pub(crate) u32);
 
 impl Slot {
-    /// Always 0: false, never present.
+    /// The constant 0: false, or never present.
     pub(crate) const FALSE: Slot = Slot(0);
-    /// Always 1: true, always present.
+    /// The constant 1: true, or always present.
     pub(crate) const TRUE: Slot = Slot(1);
 
     pub(crate) const fn index(self) -> usize {
@@ -20,7 +20,7 @@ impl Slot {
     }
 }
 
-/// In which region of the memory a slot will lie.
+/// Memory region of a register.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(crate) enum Region {
     Constant,
@@ -30,23 +30,23 @@ pub(crate) enum Region {
     Value,
 }
 
-/// All slots.
+/// All virtual registers of a net.
 #[derive(Clone, Debug)]
 pub(crate) struct Slots {
     cells: Vec<u32>,
     regions: Vec<Region>,
-    /// For each slot of one cell its initial content.
+    /// For each register of one memory slot, its initial content.
     bits: Vec<u64>,
-    /// Initial contents of larger slots, unless they are all zero.
+    /// Initial contents of larger registers that are not all zero.
     wide: BTreeMap<Slot, Vec<u64>>,
-    /// Constants of one cell, which are most, by content.
+    /// Constants of one memory slot by content. Most constants are of this kind.
     constants: FxHashMap<u64, Slot>,
-    /// Larger constants.
+    /// Larger constants by content.
     wide_constants: FxHashMap<Vec<u64>, Slot>,
 }
 
 impl Slots {
-    /// The two Booleans, with room for so many slots.
+    /// The registers of the two Booleans, with capacity for `room` registers.
     pub(crate) fn new(room: usize) -> Self {
         let mut slots = Slots {
             cells: Vec::with_capacity(room),
@@ -73,7 +73,7 @@ impl Slots {
         self.regions[slot.index()]
     }
 
-    /// A new slot.
+    /// Adds a register with initial content 0.
     pub(crate) fn add(&mut self, region: Region, cells: u32) -> Slot {
         let slot = Slot(u32::try_from(self.cells.len()).expect("fewer than 2^32 slots"));
         self.cells.push(cells);
@@ -82,7 +82,7 @@ impl Slots {
         slot
     }
 
-    /// A new slot that does not start as zero.
+    /// Adds a register with this initial content.
     pub(crate) fn add_with(&mut self, region: Region, content: &[u64]) -> Slot {
         let cells = u32::try_from(content.len()).expect("fewer than 2^32 cells");
         let slot = self.add(region, cells);
@@ -90,7 +90,7 @@ impl Slots {
         slot
     }
 
-    /// Lets a slot start with this content.
+    /// Sets the initial content of a register.
     pub(crate) fn start(&mut self, slot: Slot, content: &[u64]) {
         if let [bits] = content {
             self.bits[slot.index()] = *bits;
@@ -99,7 +99,7 @@ impl Slots {
         }
     }
 
-    /// The slot of a constant; equal constants share one.
+    /// The register of a constant; equal constants share one.
     pub(crate) fn constant(&mut self, content: &[u64]) -> Slot {
         let known = match content {
             [bits] => self.constants.get(bits),
@@ -116,7 +116,7 @@ impl Slots {
         slot
     }
 
-    /// The slot of a constant value; texts have none and give [`Slot::FALSE`].
+    /// The register of a constant value; [`Slot::FALSE`] for strings, which have no memory.
     pub(crate) fn value(&mut self, value: &Value) -> Slot {
         match value {
             Value::Cells { cells, .. } => self.constant(cells),
@@ -124,7 +124,7 @@ impl Slots {
         }
     }
 
-    /// Appends the initial content of a slot.
+    /// Appends the initial content of a register to `into`.
     pub(crate) fn content(&self, slot: Slot, into: &mut Vec<u64>) {
         match (self.cells(slot), self.wide.get(&slot)) {
             (1, _) => into.push(self.bits[slot.index()]),
@@ -133,7 +133,7 @@ impl Slots {
         }
     }
 
-    /// Every initial content that is not zero: slot, cell in it, bits.
+    /// All initial contents that are not zero: register, offset in it, bits.
     pub(crate) fn contents(&self) -> impl Iterator<Item = (Slot, u32, u64)> + '_ {
         let single = (0..).zip(&self.bits).map(|(k, bits)| (Slot(k), 0, *bits));
         let wide = self.wide.iter();

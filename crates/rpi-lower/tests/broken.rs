@@ -1,4 +1,4 @@
-//! Images that were damaged: the reader and the verifier say what is wrong, and whatever the verifier passes runs.
+//! Damaged images: the reader and the verifier report the damage, and every image that the verifier accepts runs.
 
 use rpi_bench::rng::Rng;
 use rpi_bench::{Build, Puppet, build, generate, twin};
@@ -10,7 +10,7 @@ use rpi_net::{FragmentId, Input, Net, Restart};
 
 const MS: u64 = 1_000_000;
 
-/// Every kind of step and table: fragments, restarts, delays, arrays, state of its own size, a device.
+/// A net with every kind of step and table: fragments, restarts, delays, arrays, sized state, a device.
 fn varied() -> Net {
     let root = FragmentId::ROOT;
     let mut b = Build::new("varied");
@@ -100,7 +100,7 @@ fn a_damaged_file_is_refused() {
     }
 }
 
-/// Content that has its right checksum, but was not written by us: it may read as anything, but never panics.
+/// Forged content with a valid checksum may be read as any image, but must never cause a panic.
 #[test]
 fn a_forged_file_does_no_harm() {
     let mut rng = Rng::new(5);
@@ -133,7 +133,7 @@ fn a_changed_image_is_refused_or_runs() {
     assert!(refused > 1000, "{refused}");
 }
 
-/// True if the verifier passed it; then it has run.
+/// Runs an image if the verifier accepts it. Returns whether it did.
 fn run_if_verified(image: Image) -> bool {
     if image.layout.cells > 1 << 20 || verify(&image, &catalogue).is_err() {
         return false;
@@ -152,7 +152,7 @@ fn run_if_verified(image: Image) -> bool {
     true
 }
 
-/// One number somewhere becomes another.
+/// Changes one number at a random place.
 fn change(image: &mut Image, rng: &mut Rng) {
     let cells = image.layout.cells as usize;
     let number = match rng.below(8) {

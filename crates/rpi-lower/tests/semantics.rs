@@ -1,4 +1,4 @@
-//! What lowered nets compute, cycle by cycle.
+//! Results of lowered nets, cycle by cycle.
 
 mod support;
 
@@ -15,7 +15,7 @@ fn real(v: f64) -> Input {
     Input::constant(Value::real(v))
 }
 
-/// `x = if null(pre x) then 0 else pre x + 1`, the reference's idiom for a counter.
+/// `x = if null(pre x) then 0 else pre x + 1`, the reference system's idiom for a counter.
 fn counter(b: &mut Build, fragment: FragmentId) -> PortRef {
     let pre = b.node(fragment, "pre", "Core::DoublePre", &[], &[]);
     let null = b.node(
@@ -70,7 +70,7 @@ fn a_delay_is_absent_in_its_first_cycle() {
     );
 }
 
-/// A fragment that is active in cycles 1, 2, 5, 6, ... counting from 0.
+/// A net with a fragment that is active in cycles 1, 2, 5, 6, ... counted from 0.
 fn gated(restart: Restart) -> Build {
     let mut b = Build::new();
     let x = counter(&mut b, ROOT);

@@ -1,4 +1,4 @@
-//! The rearranged image does what the observed one does, bit for bit.
+//! The optimised image and the observed image give the same results, bit for bit.
 
 use rpi_bench::{generate, twin};
 use rpi_diag::FileId;
@@ -16,7 +16,7 @@ fn regular_and_irregular_nets() {
     }
 }
 
-/// Every net of the reference system that can be scheduled.
+/// Every recorded net of the reference system that can be scheduled.
 #[test]
 fn recorded_nets() {
     let mut failed = Vec::new();

@@ -1,4 +1,4 @@
-//! All devices of a simulated cell, as the core sees them.
+//! The device bank of a simulated cell.
 
 use crate::arm::Arm;
 use crate::base::Base;
@@ -12,29 +12,29 @@ use crate::io::Io;
 use core::ops::Range;
 use rpi_device::{DeviceBank, Jump, PortId, PortName, Refusal, ResolveError};
 
-/// The simulated devices of a cell, and the cell's time.
+/// The simulated devices of a cell, with the time of the cell.
 ///
-/// One [`step`](Self::step) for each tick; between two of them the core reads, checks and writes. Apart from
-/// [`inject`](Self::inject) nothing allocates.
+/// [`step`](Self::step) is called once per tick. Between two steps the core reads, checks and writes. Only
+/// [`inject`](Self::inject) allocates.
 ///
-/// The numbers of ports and actuators follow from the place of a device and its type alone: two banks with the same
-/// devices in the same places give the same numbers, so one can resolve names beside the cycle that owns the other.
+/// Port and resource numbers depend only on the index of a device and its type. Two banks with the same devices at the
+/// same indices therefore agree on all numbers, so that one can resolve names outside the cycle that owns the other.
 pub struct SimBank {
-    /// By place; places may be empty.
+    /// Devices by index; an entry may be empty.
     devices: Vec<Option<Part>>,
     tick: f64,
     ticks: u64,
 }
 
-/// A device, made beside the cycle and put into a bank between two ticks.
+/// A device with its name, built outside the cycle and put into a bank between two ticks.
 pub struct Part {
     name: String,
     device: Box<dyn Device>,
 }
 
 impl Part {
-    /// The device that `spec` describes, at rest. `tick` is the length of a tick in s; `seed` and `place` are where its
-    /// noise starts.
+    /// Builds the device that `spec` describes, at rest. `tick` is the tick in s; `seed` and `place`, the index in the
+    /// bank, seed its noise.
     #[must_use]
     pub fn new(spec: &DeviceSpec, tick: f64, seed: u64, place: usize) -> Part {
         Part {
@@ -43,24 +43,24 @@ impl Part {
         }
     }
 
-    /// Its name.
+    /// Name of the device.
     #[must_use]
     pub fn name(&self) -> &str {
         &self.name
     }
 }
 
-/// How many devices a bank can have: their place takes 8 bits of a port's number.
+/// Maximum number of devices in a bank: a port number has 8 bits for the device.
 pub const MAX_DEVICES: usize = 256;
 
-/// A port's number: 8 bits for the device's place, 8 for the line of its table, 16 for the index.
+/// Encodes a port number: 8 bits for the device, 8 for the row of its port table, 16 for the index.
 fn number(place: usize, slot: Slot) -> Option<PortId> {
     let (place, line) = (u8::try_from(place).ok()?, u8::try_from(slot.line).ok()?);
     let number = u32::from(place) << 24 | u32::from(line) << 16 | u32::from(slot.index);
     Some(PortId(number))
 }
 
-/// The place of a device and its port behind a number.
+/// Decodes a port number into the device index and the port of the device.
 fn port(number: PortId) -> (usize, Slot) {
     let slot = Slot {
         line: (number.0 >> 16) as u16 & 0xff,
@@ -69,31 +69,31 @@ fn port(number: PortId) -> (usize, Slot) {
     ((number.0 >> 24) as usize, slot)
 }
 
-/// The first number of the actuators of the device in a place: 2^16 for each.
+/// First resource number of a device. Each device has 2^16 numbers.
 fn first_resource(place: usize) -> u32 {
     (place as u32) << 16
 }
 
-/// The place of a device and the actuator within it, behind an actuator's number.
+/// Decodes a resource number into the device index and the resource within the device.
 pub(crate) fn split(resource: u32) -> (usize, u32) {
     ((resource >> 16) as usize, resource & 0xffff)
 }
 
-/// How a device does.
+/// Status of a device.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DeviceStatus<'a> {
-    /// Its place in the bank.
+    /// Index of the device in the bank.
     pub place: usize,
-    /// Its name.
+    /// Name of the device.
     pub name: &'a str,
-    /// What is wrong with it.
+    /// Present error code of the device.
     pub code: Code,
-    /// Whether it moves.
+    /// True while the device moves.
     pub moving: bool,
 }
 
 impl SimBank {
-    /// The devices of `cell`, all at rest. `tick` is the length of a tick in s.
+    /// A bank with the devices of `cell`, all at rest. `tick` is the tick in s.
     #[must_use]
     pub fn new(cell: &Cell, tick: f64) -> Self {
         let parts = cell.devices.iter().enumerate();
@@ -105,7 +105,7 @@ impl SimBank {
         }
     }
 
-    /// A bank with so many empty places, at most [`MAX_DEVICES`].
+    /// A bank with `places` empty entries, at most [`MAX_DEVICES`]. `tick` is the tick in s.
     #[must_use]
     pub fn empty(places: usize, tick: f64) -> Self {
         let mut devices = Vec::new();
@@ -117,7 +117,8 @@ impl SimBank {
         }
     }
 
-    /// Puts a device into a place, or none, and gives what was there. A place that there is not gives it back.
+    /// Replaces the device at an index (`None` for an empty entry) and returns the previous one. If the index is out of
+    /// range, returns `part`.
     pub fn swap(&mut self, place: usize, part: Option<Part>) -> Option<Part> {
         match self.devices.get_mut(place) {
             Some(there) => core::mem::replace(there, part),
@@ -125,7 +126,7 @@ impl SimBank {
         }
     }
 
-    /// Lets one tick pass: devices take what was handed over since the last, move, and have new samples.
+    /// Simulates one tick: the devices apply the latest set-points, move, and take new samples.
     pub fn step(&mut self) {
         self.ticks += 1;
         let time = self.time();
@@ -133,21 +134,21 @@ impl SimBank {
         parts.for_each(|part| part.device.step(time));
     }
 
-    /// The cell's time, in s.
+    /// Simulated time of the cell, in s.
     #[must_use]
     pub fn time(&self) -> f64 {
         self.ticks as f64 * self.tick
     }
 
-    /// Adds a fault to those that are planned for a device; false if there is no such device or it knows no such
-    /// trouble. Not for the cycle: it may allocate.
+    /// Schedules a fault of a device. Returns false if the device does not exist or does not support the fault.
+    /// Allocates, so not for the cycle.
     pub fn inject(&mut self, device: &str, fault: Fault) -> bool {
         let mut parts = self.devices.iter_mut().flatten();
         let part = parts.find(|part| part.name == device);
         part.is_some_and(|part| part.device.inject(fault))
     }
 
-    /// How the devices do, in the order of the cell.
+    /// Status of all devices, in the order of the cell.
     pub fn status(&self) -> impl Iterator<Item = DeviceStatus<'_>> {
         let places = self.devices.iter().enumerate();
         let there = places.filter_map(|(place, part)| Some((place, part.as_ref()?)));
@@ -159,8 +160,8 @@ impl SimBank {
         })
     }
 
-    /// Gives what the devices had against their commands since the last call, with the device's name; the result is how
-    /// many more there were than could be kept. Allocates nothing itself.
+    /// Passes all new reports to `each`, with the name of the device. Returns the number of reports lost for lack of
+    /// space. Does not allocate.
     pub fn reports(&mut self, mut each: impl FnMut(&str, Report)) -> u64 {
         let mut lost = 0;
         for Part { name, device } in self.devices.iter_mut().flatten() {
@@ -169,7 +170,7 @@ impl SimBank {
         lost
     }
 
-    /// The device and its port behind a number.
+    /// The device and its port with this number.
     fn at(&self, number: PortId) -> Option<(&dyn Device, Slot)> {
         let (place, slot) = port(number);
         let part = self.devices.get(place)?.as_ref()?;
@@ -182,7 +183,7 @@ impl SimBank {
         part.device.has(slot).then_some((&mut *part.device, slot))
     }
 
-    /// The device that an actuator belongs to, and the actuator's number within it.
+    /// The device that owns a resource, and the resource within the device.
     fn owner(&self, resource: u32) -> Option<(&dyn Device, u32)> {
         let (place, own) = split(resource);
         let part = self.devices.get(place)?.as_ref()?;

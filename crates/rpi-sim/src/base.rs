@@ -1,7 +1,7 @@
-//! A platform with two driven wheels.
+//! A mobile base with two driven wheels (differential drive).
 //!
-//! It takes velocities in its own frame, x to the front, turning to the left: what a differential drive can do and no more.
-//! Left alone while it moves, it slows down on the arc on which it drives.
+//! It accepts velocities in its own frame: x forwards, rotation counter-clockwise. It rejects velocities that a
+//! differential drive cannot follow. Without set-points it brakes along its current arc.
 
 use crate::cell::BaseSpec;
 use crate::code::Code;
@@ -11,31 +11,31 @@ use rpi_device::{Jump, PortName, Quantity, Refusal, ResolveError};
 use rpi_image::Scalar;
 use rpi_kin::Pose;
 
-/// A platform of a simulated cell.
+/// A mobile base of a simulated cell.
 #[derive(Clone, Debug)]
 pub(crate) struct Base {
     spec: BaseSpec,
     tick: f64,
     time: f64,
-    /// Ticks from one set-point to the next, and until the next is due.
+    /// Ticks between set-points, and ticks until the next one is due.
     pace: u32,
     left: u32,
-    /// Where it is: x, y (m), heading (rad).
+    /// Pose in the cell: x, y (m), heading (rad).
     place: [f64; 3],
-    /// Forwards (m/s) and turning (rad/s).
+    /// Forward velocity (m/s) and angular velocity (rad/s).
     velocity: [f64; 2],
     staged: Option<[f64; 2]>,
     braking: bool,
-    /// How far the wheels have turned, left and right, in rad.
+    /// Angles of the wheels, left and right, in rad.
     wheels: [f64; 2],
     code: Code,
     reports: Vec<Report>,
 }
 
-/// So many reports are kept until somebody fetches them.
+/// Capacity for pending reports.
 const REPORTS: usize = 16;
 
-/// Slower than this, in m/s or rad/s, counts as standing.
+/// Velocities below this, in m/s or rad/s, count as zero.
 const STANDING: f64 = 1e-6;
 
 const PORTS: &[Line<Base>] = &[
@@ -52,7 +52,7 @@ const PORTS: &[Line<Base>] = &[
     Line::actuator("base.velocity", Scalar::Twist),
 ];
 
-/// The ports of a platform, for people.
+/// Descriptions of a base's ports, for the manual.
 pub(crate) fn ports() -> impl Iterator<Item = crate::device::PortInfo> {
     PORTS.iter().map(|line| line.head.info())
 }
@@ -98,20 +98,20 @@ impl Base {
         out.reals(self.turning().get(wheel).copied());
     }
 
-    /// How fast the wheels turn, left and right, in rad/s.
+    /// Angular velocities of the wheels, left and right, in rad/s.
     fn turning(&self) -> [f64; 2] {
         let [forwards, turning] = self.velocity;
         [-0.5, 0.5]
             .map(|side| (forwards + side * self.spec.track * turning) / self.spec.wheel_radius)
     }
 
-    /// Whether it moves; what it was just told counts in place of how it moved before.
+    /// True while the base moves. A staged set-point takes precedence over the present velocity.
     fn is_moving(&self) -> bool {
         let velocity = self.staged.unwrap_or(self.velocity);
         velocity.iter().any(|part| part.abs() > STANDING)
     }
 
-    /// The velocity that a set-point asks for, or what it breaks: code, value, limit.
+    /// Velocity of a set-point. Returns the violated limit otherwise: code, value, limit.
     fn judge(&self, value: &[u64]) -> Result<[f64; 2], (Code, f64, f64)> {
         let part = |at: usize| value.get(at).map_or(f64::NAN, |bits| f64::from_bits(*bits));
         let wanted = [part(0), part(5)];
@@ -155,7 +155,7 @@ impl Base {
         self.code = code;
     }
 
-    /// Takes the set-point, goes on, or slows down.
+    /// Applies the staged set-point, continues, or starts braking.
     fn decide(&mut self) {
         if let Some(velocity) = self.staged.take() {
             (self.velocity, self.left, self.braking) = (velocity, self.pace, false);
@@ -169,7 +169,7 @@ impl Base {
         }
     }
 
-    /// Both velocities by the same share, so that the arc stays.
+    /// Brakes both velocities by the same factor, so that the radius of the arc does not change.
     fn slow_down(&mut self) {
         let both = self.velocity.iter().zip(self.spec.acceleration);
         let share = both
@@ -182,10 +182,11 @@ impl Base {
         }
     }
 
-    /// One tick along the arc.
+    /// Integrates one tick along the arc.
     fn drive(&mut self) {
         let [forwards, turning] = self.velocity.map(|velocity| velocity * self.tick);
         let half = turning / 2.0;
+        // Ratio of chord to arc, sin(h) / h; the Taylor series avoids 0 / 0.
         let chord = if half.abs() < 1e-6 {
             1.0 - half * half / 6.0
         } else {

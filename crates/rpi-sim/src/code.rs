@@ -1,62 +1,62 @@
-//! What a device has against a set-point, or what has become of it: error codes.
+//! Error codes of devices.
 
 use core::fmt;
 
-/// An error code, as the ports `joint.error`, `tcp.error`, `base.error` and `code` give it.
+/// An error code of a device, as carried by the ports `joint.error`, `tcp.error`, `base.error` and `code`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Code(pub i64);
 
-/// A line of the table of codes.
+/// A row of the table of error codes.
 #[derive(Clone, Copy, Debug)]
 pub struct CodeText {
-    /// The code.
+    /// The error code.
     pub code: Code,
-    /// A word for it.
+    /// Short name for display.
     pub word: &'static str,
-    /// What it means.
+    /// Explanation of the code.
     pub meaning: &'static str,
 }
 
 impl Code {
-    /// The device is well.
+    /// No error.
     pub const OK: Self = Self(0);
-    /// NaN or infinity.
+    /// The set-point is NaN or infinite.
     pub const NOT_A_NUMBER: Self = Self(1);
-    /// Out of the joint's range.
+    /// The set-point is outside the joint's range.
     pub const POSITION: Self = Self(2);
-    /// Too fast.
+    /// The velocity limit is violated.
     pub const VELOCITY: Self = Self(3);
-    /// Changes its velocity too fast.
+    /// The acceleration limit is violated.
     pub const ACCELERATION: Self = Self(4);
-    /// Changes its acceleration too fast.
+    /// The jerk limit is violated.
     pub const JERK: Self = Self(5);
-    /// Does not join where the arm stands.
+    /// The first set-point is too far from the present position.
     pub const DISCONTINUITY: Self = Self(6);
     /// The pose is out of reach.
     pub const OUT_OF_REACH: Self = Self(7);
-    /// The pose can only be reached with a joint out of its range.
+    /// The pose requires a joint outside its range.
     pub const NO_JOINTS: Self = Self(8);
     /// The joint has failed.
     pub const JOINT_FAILED: Self = Self(9);
-    /// The arm was moving and got no set-point.
+    /// The arm was moving and received no set-point.
     pub const SET_POINT_MISSING: Self = Self(10);
-    /// Emergency stop.
+    /// The emergency stop is active.
     pub const EMERGENCY_STOP: Self = Self(11);
-    /// A parameter of the tool or of the way of control that the arm does not take.
+    /// The arm does not support a tool parameter or a control strategy.
     pub const BAD_PARAMETER: Self = Self(12);
-    /// A velocity in a direction in which the platform cannot drive.
+    /// The base cannot drive in the direction of this velocity.
     pub const NOT_DRIVABLE: Self = Self(13);
 
-    /// The arm brakes as a whole, as another of its joints was left without a set-point.
+    /// The whole arm brakes because another joint was stopped or received no set-point.
     pub const BRAKING: Self = Self(14);
 
-    /// The device has failed, whatever the set-point.
+    /// True for a failure of the device itself, independent of the set-point.
     #[must_use]
     pub const fn is_failure(self) -> bool {
         matches!(self, Self::JOINT_FAILED | Self::EMERGENCY_STOP)
     }
 
-    /// Its line in the table.
+    /// The table row of the code.
     #[must_use]
     pub fn text(self) -> Option<&'static CodeText> {
         CODES.iter().find(|line| line.code == self)
@@ -77,7 +77,7 @@ const fn line(code: Code, word: &'static str, meaning: &'static str) -> CodeText
     }
 }
 
-/// All codes, ascending.
+/// All codes, in ascending order.
 pub const CODES: &[CodeText] = &[
     line(Code::OK, "ok", "the device is well"),
     line(

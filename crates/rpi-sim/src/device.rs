@@ -1,4 +1,4 @@
-//! One simulated device, as the bank of devices sees it.
+//! The interface of one simulated device to the device bank.
 
 use crate::code::Code;
 use crate::fault::Fault;
@@ -6,20 +6,20 @@ use core::ops::Range;
 use rpi_device::{Jump, PortKind, PortName, Refusal, ResolveError};
 use rpi_image::{Scalar, Type};
 
-/// A port of one device: its line in the device's table, and which of several equal ones.
+/// A port of one device: a row of the device's port table, and an index within the row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Slot {
     pub(crate) line: u16,
     pub(crate) index: u16,
 }
 
-/// The part of [`rpi_device::DeviceBank`] that concerns one device; resources are counted from 0 within it.
+/// The part of [`rpi_device::DeviceBank`] for one device. Resources are numbered from 0 within the device.
 pub(crate) trait Device: Send {
-    /// Finds a port.
+    /// Resolves a port name.
     fn resolve(&self, name: &PortName<'_>) -> Result<Slot, ResolveError>;
-    /// Whether there is such a port; the methods below are asked only about ports that there are.
+    /// True if the port exists. The methods below are only called with existing ports.
     fn has(&self, slot: Slot) -> bool;
-    /// The actuators that a port belongs to; empty for a port that is none.
+    /// Resources of an actuator port; empty for other ports.
     fn resources_of(&self, slot: Slot) -> Range<u32>;
     /// See [`rpi_device::DeviceBank::read`].
     fn read(&self, slot: Slot, value: &mut [u64]) -> bool;
@@ -52,55 +52,55 @@ pub(crate) trait Device: Send {
     fn begin(&mut self, resource: u32, ticks: u32) {
         let _ = (resource, ticks);
     }
-    /// Lets one tick pass, which ends at `time` (s).
+    /// Simulates one tick that ends at `time` (s).
     fn step(&mut self, time: f64);
-    /// Adds a fault to those that are planned; false if the device knows no such trouble.
+    /// Schedules a fault. Returns false if the device does not support it.
     fn inject(&mut self, fault: Fault) -> bool {
         let _ = fault;
         false
     }
-    /// What is wrong with it now.
+    /// Present error code of the device.
     fn code(&self) -> Code {
         Code::OK
     }
-    /// Gives the reports since the last call, and how many did not fit.
+    /// Passes all new reports to `each`. Returns the number of reports lost for lack of space.
     fn reports(&mut self, each: &mut dyn FnMut(Report)) -> u64 {
         let _ = each;
         0
     }
 }
 
-/// Something that a device had against its commands.
+/// A report of a device about a rejected set-point or a failure.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Report {
-    /// When, in s of the cell's time.
+    /// Simulated time of the report, in s.
     pub time: f64,
-    /// Which axis, from 0; `None` if it concerns the whole device.
+    /// Axis, from 0; `None` if the report concerns the whole device.
     pub axis: Option<usize>,
-    /// What.
+    /// Error code.
     pub code: Code,
-    /// The value that was refused, in SI units; 0 where there is none.
+    /// The rejected value, in SI units; 0 if not applicable.
     pub value: f64,
-    /// The limit that it broke; 0 where there is none.
+    /// The violated limit, in SI units; 0 if not applicable.
     pub limit: f64,
 }
 
-/// What a port carries, before the device's size is known.
+/// Type of a port as a function of the size of the device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Carries {
     /// One value.
     One(Scalar),
     /// A real for each axis.
     PerAxis,
-    /// A value for each terminal, or for the first of them.
+    /// A value for each terminal, or for the first terminals.
     PerTerminal(Scalar),
-    /// This many cells of reals, the in-ports or out-ports of a primitive one after the other.
+    /// A fixed number of reals: the concatenated in-ports or out-ports of a primitive.
     Reals(u32),
 }
 
 impl Carries {
-    /// Whether a command that sees the port as `ty` can use it; `size` is the number of axes or terminals. Values put
-    /// together of several ports are compared by their size, for their parts are laid out in a row whatever they are.
+    /// True if a command can use the port with type `ty`; `size` is the number of axes or terminals. Values composed of
+    /// several ports are compared by size only, because their parts are concatenated whatever their types.
     pub(crate) fn fits(self, ty: Type, size: usize) -> bool {
         let real = |ty: Type| match ty {
             Type::One(scalar) | Type::Array(scalar, _) => {
@@ -119,26 +119,26 @@ impl Carries {
     }
 }
 
-/// What every line of a device's table of ports has.
+/// Common columns of all port tables.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Head {
     pub(crate) name: &'static str,
     pub(crate) kind: PortKind,
     pub(crate) carries: Carries,
-    /// Whether there is one for each axis or terminal.
+    /// True if there is one port for each axis or terminal.
     pub(crate) indexed: bool,
 }
 
-/// A port of a kind of device, for people.
+/// Description of a port, for the manual.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PortInfo {
-    /// Its name.
+    /// Name of the port.
     pub name: &'static str,
-    /// What it is for.
+    /// Use of the port.
     pub kind: PortKind,
-    /// What it carries: `real`, `Pose`, `real^n` with n the number of axes.
+    /// Type of the port: `real`, `Pose`, `real^n` with n the number of axes.
     pub carries: String,
-    /// Whether there is one for each axis or terminal.
+    /// True if there is one port for each axis or terminal.
     pub indexed: bool,
 }
 
@@ -159,7 +159,7 @@ impl Head {
     }
 }
 
-/// Finds a port in a table. `size` tells how many axes or terminals there are behind a line.
+/// Finds a port in a table. `size` returns the number of axes or terminals of a row.
 pub(crate) fn find<'a>(
     table: impl Iterator<Item = &'a Head>,
     name: &PortName<'_>,
@@ -188,7 +188,7 @@ pub(crate) fn find<'a>(
     Err(error)
 }
 
-/// Whether a slot lies within its line of a table; `size` tells how many axes or terminals there are behind it.
+/// True if a port is within its table row; `size` returns the number of axes or terminals of a row.
 pub(crate) fn within(head: Option<&Head>, slot: Slot, size: impl Fn(usize) -> usize) -> bool {
     head.is_some_and(|head| match head.indexed {
         true => usize::from(slot.index) < size(usize::from(slot.line)),
@@ -196,7 +196,7 @@ pub(crate) fn within(head: Option<&Head>, slot: Slot, size: impl Fn(usize) -> us
     })
 }
 
-/// Puts values into cells, one after the other; what does not fit is dropped.
+/// Writes values to consecutive memory slots. Values beyond the end are dropped.
 pub(crate) struct Put<'a> {
     cells: &'a mut [u64],
     at: usize,
@@ -224,12 +224,12 @@ impl<'a> Put<'a> {
 
     pub(crate) fn pose(&mut self, pose: &rpi_kin::Pose) {
         self.reals(pose.translation.vector.iter().copied());
-        // Stored as x, y, z, w, which is the order of the cells too.
+        // nalgebra stores quaternions as x, y, z, w, the same order as in memory slots.
         self.reals(pose.rotation.coords.iter().copied());
     }
 }
 
-/// The pose in seven cells; NaN where there are too few.
+/// Reads a pose from seven memory slots: position, then quaternion as x, y, z, w. Missing slots read as NaN.
 pub(crate) fn pose_from(cells: &[u64]) -> rpi_kin::Pose {
     let part = |at: usize| cells.get(at).map_or(f64::NAN, |bits| f64::from_bits(*bits));
     let quaternion = nalgebra::Quaternion::new(part(6), part(3), part(4), part(5));
@@ -239,7 +239,7 @@ pub(crate) fn pose_from(cells: &[u64]) -> rpi_kin::Pose {
     )
 }
 
-/// A name with the index that it carries in itself taken out: `joint3.torque` is `joint.torque` of index 2.
+/// Splits a port name that contains a number: `joint3.measured_torque` is `joint.measured_torque` with index 2.
 pub(crate) fn spelled_out(port: &str) -> Option<(&'static str, u32)> {
     const NUMBERED: &[(&str, &str)] = &[
         ("measured_torque", "joint.measured_torque"),
@@ -254,15 +254,15 @@ pub(crate) fn spelled_out(port: &str) -> Option<(&'static str, u32)> {
     Some((name, number.checked_sub(1)?))
 }
 
-/// A line of the table of ports of a small device: something that it tells, or the one thing that it is told.
+/// A row of the port table of a small device: a sensor, or the single actuator.
 pub(crate) struct Line<D: 'static> {
     pub(crate) head: Head,
-    /// What a sensor tells; nothing for an actuator.
+    /// Reads a sensor; `None` for the actuator.
     tell: Option<fn(&D, usize, &mut Put<'_>)>,
 }
 
 impl<D> Line<D> {
-    /// A sensor.
+    /// A row for a sensor.
     pub(crate) const fn sensor(
         name: &'static str,
         scalar: Scalar,
@@ -280,7 +280,7 @@ impl<D> Line<D> {
         }
     }
 
-    /// An actuator.
+    /// A row for an actuator.
     pub(crate) const fn actuator(name: &'static str, scalar: Scalar) -> Self {
         let head = Head {
             name,
@@ -291,7 +291,7 @@ impl<D> Line<D> {
         Self { head, tell: None }
     }
 
-    /// The same port, once for each of several parts.
+    /// The same row, with one port for each index.
     pub(crate) const fn indexed(self) -> Self {
         Self {
             head: Head {
@@ -303,14 +303,14 @@ impl<D> Line<D> {
     }
 }
 
-/// Reads a port of a small device; false if it is no sensor.
+/// Reads a port of a small device; false if it is not a sensor.
 pub(crate) fn tell<D>(table: &[Line<D>], device: &D, slot: Slot, value: &mut [u64]) -> bool {
     let tell = table.get(usize::from(slot.line)).and_then(|line| line.tell);
     tell.map(|tell| tell(device, usize::from(slot.index), &mut Put::into(value)))
         .is_some()
 }
 
-/// Whether a port of a small device is an actuator.
+/// True if a port of a small device is an actuator.
 pub(crate) fn is_actuator<D>(table: &[Line<D>], slot: Slot) -> bool {
     table
         .get(usize::from(slot.line))

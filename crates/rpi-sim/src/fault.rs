@@ -1,39 +1,39 @@
-//! What can go wrong with a simulated device, and when.
+//! Simulated faults of devices.
 
 use nalgebra::Vector6;
 
-/// Something that goes wrong for a while.
+/// A fault with its interval of time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fault {
-    /// When it begins, in s of the cell's time.
+    /// Start time, in s of the cell's time.
     pub from: f64,
-    /// When it is over, in s; infinity if never.
+    /// End time, in s of the cell's time; infinity for a permanent fault.
     pub until: f64,
-    /// What it is.
+    /// Kind of the fault.
     pub trouble: Trouble,
 }
 
-/// What goes wrong.
+/// Kind of a fault.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Trouble {
-    /// One axis (from 0) fails: it refuses set-points and the arm brakes.
+    /// One axis (from 0) fails: it rejects set-points and the arm brakes.
     JointFailure(usize),
-    /// The arm brakes and refuses everything.
+    /// The emergency stop is pressed: the arm brakes and rejects all set-points.
     EmergencyStop,
-    /// The device sends no samples: its sensors are absent.
+    /// The device delivers no samples: its sensors are absent.
     LostSamples,
     /// Set-points do not reach the device.
     LostSetPoints,
-    /// Samples are older by this many seconds.
+    /// Samples are delayed by this many seconds.
     Latency(f64),
-    /// Measured joint positions are off by this standard deviation more, in rad.
+    /// Additional noise of measured joint positions: standard deviation in rad.
     Noise(f64),
-    /// Something pushes at the tool: force (N), then torque (N m), in base coordinates.
+    /// A contact at the tool: force (N), then torque (N m), in base coordinates.
     Contact(Vector6<f64>),
 }
 
 impl Fault {
-    /// Whether it is on at a time, in s.
+    /// True if the fault is active at `time`, in s.
     #[must_use]
     pub fn is_on(&self, time: f64) -> bool {
         time >= self.from && time < self.until

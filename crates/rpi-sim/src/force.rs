@@ -1,4 +1,4 @@
-//! A force and torque sensor that feels what a script says.
+//! A force/torque sensor whose readings follow a script.
 
 use crate::cell::ForceSpec;
 use crate::device::{Device, Line, Slot, find, tell, within};
@@ -8,7 +8,7 @@ use nalgebra::Vector6;
 use rpi_device::{PortName, Refusal, ResolveError};
 use rpi_image::Scalar;
 
-/// A sensor of a simulated cell.
+/// A force/torque sensor of a simulated cell.
 #[derive(Clone, Debug)]
 pub(crate) struct ForceSensor {
     spec: ForceSpec,
@@ -40,7 +40,7 @@ const PORTS: &[Line<ForceSensor>] = &[
     }),
 ];
 
-/// The ports of a sensor, for people.
+/// Descriptions of the sensor's ports, for the manual.
 pub(crate) fn ports() -> impl Iterator<Item = crate::device::PortInfo> {
     PORTS.iter().map(|line| line.head.info())
 }

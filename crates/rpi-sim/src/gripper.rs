@@ -1,7 +1,7 @@
 //! A gripper with two fingers.
 //!
-//! It is told how far to open and goes there by itself, so that nobody needs to keep telling it. Something may lie between
-//! its fingers: closing then ends there, and the gripper holds it.
+//! A set-point is an opening width. The gripper moves to it on its own, so that set-points need not be repeated in
+//! every cycle. An object between the fingers blocks them while closing, and the gripper holds it.
 
 use crate::cell::GripperSpec;
 use crate::code::Code;
@@ -15,10 +15,10 @@ use rpi_image::Scalar;
 pub(crate) struct Gripper {
     spec: GripperSpec,
     tick: f64,
-    /// How far it is open, and shall be, in m.
+    /// Present and target opening, in m.
     width: f64,
     target: f64,
-    /// In m/s, negative while it closes.
+    /// Velocity of the opening in m/s, negative while closing.
     speed: f64,
     code: Code,
 }
@@ -42,7 +42,7 @@ const PORTS: &[Line<Gripper>] = &[
     Line::actuator("gripper.width", Scalar::Real),
 ];
 
-/// The ports of a gripper, for people.
+/// Descriptions of the gripper's ports, for the manual.
 pub(crate) fn ports() -> impl Iterator<Item = crate::device::PortInfo> {
     PORTS.iter().map(|line| line.head.info())
 }
@@ -60,19 +60,19 @@ impl Gripper {
         }
     }
 
-    /// Where closing ends.
+    /// Smallest possible opening, in m, given the object.
     fn narrowest(&self) -> f64 {
         self.spec
             .object
             .map_or(self.spec.lower, |object| object.max(self.spec.lower))
     }
 
-    /// Whether it presses on something.
+    /// True if the gripper holds an object.
     fn holds(&self) -> bool {
         self.spec.object.is_some() && self.target < self.width && self.width <= self.narrowest()
     }
 
-    /// How hard it presses, in N.
+    /// Grip force, in N.
     fn force(&self) -> f64 {
         if self.holds() { self.spec.force } else { 0.0 }
     }
@@ -129,7 +129,7 @@ impl Device for Gripper {
         let most = self.spec.speed * self.tick;
         let before = self.width;
         let next = self.target.clamp(before - most, before + most);
-        // What lies between the fingers stops them; it does not push them open.
+        // An object blocks closing fingers; it does not push them open.
         self.width = if next < before {
             next.max(self.narrowest().min(before))
         } else {

@@ -1,4 +1,4 @@
-//! Terminals of digital and analogue inputs and outputs.
+//! Terminals with digital and analogue inputs and outputs.
 
 use crate::cell::{Change, IoSpec, Signal};
 use crate::device::{Carries, Device, Head, Slot, find, within};
@@ -6,13 +6,13 @@ use core::ops::Range;
 use rpi_device::{PortKind, PortName, Refusal, ResolveError};
 use rpi_image::Scalar;
 
-/// A terminal: its digital bank, then its analogue one.
+/// A terminal block: a digital bank, then an analogue bank.
 #[derive(Clone, Debug)]
 pub(crate) struct Io {
     banks: [Bank; 2],
 }
 
-/// Inputs and outputs of one type, as cells.
+/// Inputs and outputs of one type, one memory slot each.
 #[derive(Clone, Debug)]
 struct Bank {
     first: Vec<u64>,
@@ -22,14 +22,14 @@ struct Bank {
     repeat: f64,
 }
 
-/// A line of the table of ports.
+/// A row of the port table.
 struct Line {
     head: Head,
     bank: usize,
     output: bool,
 }
 
-/// A port of one terminal, by its index.
+/// A row for a single terminal, selected by the index.
 const fn one(
     name: &'static str,
     kind: PortKind,
@@ -50,7 +50,7 @@ const fn one(
     }
 }
 
-/// A port of all terminals.
+/// A row for all terminals.
 const fn all(
     name: &'static str,
     kind: PortKind,
@@ -78,19 +78,19 @@ const PORTS: &[Line] = &[
     one("in.real", PortKind::Sensor, Scalar::Real, 1, false),
     one("out.real", PortKind::Sensor, Scalar::Real, 1, true),
     one("out.real", PortKind::Actuator, Scalar::Real, 1, true),
-    // The device types of `.rpi`.
+    // Ports of the device types of `.rpi`.
     all("get", PortKind::Sensor, Scalar::Bool, 0, false),
     all("get", PortKind::Sensor, Scalar::Real, 1, false),
     all("set", PortKind::Actuator, Scalar::Bool, 0, true),
     all("set", PortKind::Actuator, Scalar::Real, 1, true),
-    // Programs read and write arrays element by element.
+    // Programs access arrays element by element.
     one("get", PortKind::Sensor, Scalar::Bool, 0, false),
     one("get", PortKind::Sensor, Scalar::Real, 1, false),
     one("set", PortKind::Actuator, Scalar::Bool, 0, true),
     one("set", PortKind::Actuator, Scalar::Real, 1, true),
 ];
 
-/// The ports of a terminal, for people.
+/// Descriptions of a terminal block's ports, for the manual.
 pub(crate) fn ports() -> impl Iterator<Item = crate::device::PortInfo> {
     PORTS.iter().map(|line| line.head.info())
 }
@@ -130,7 +130,7 @@ impl Bank {
         }
     }
 
-    /// The inputs as the script wants them at a time (s): a function of the time alone.
+    /// Sets the inputs as scripted for `time` (s). The result depends on the time only, not on earlier calls.
     fn step(&mut self, time: f64) {
         let since = if self.repeat.is_finite() && self.repeat > 0.0 {
             time % self.repeat
@@ -148,13 +148,13 @@ impl Bank {
 }
 
 impl Io {
-    /// How many terminals there are behind a line.
+    /// Number of terminals of a table row.
     fn size(&self, line: usize) -> usize {
         let line = &PORTS[line];
         self.banks[line.bank].ports(line.output).len()
     }
 
-    /// The terminals of a port: those of its bank from its index on, only one if it is indexed.
+    /// The terminals of a port: all of its bank, or one if the port is indexed.
     fn terminals(&self, slot: Slot) -> Option<(&'static Line, Range<usize>)> {
         let line = PORTS.get(usize::from(slot.line))?;
         let count = self.banks[line.bank].ports(line.output).len();

@@ -1,10 +1,11 @@
-//! Simulated devices and the description of a cell.
+//! Simulated devices and cell descriptions.
 //!
-//! [`Cell`] is what `cell.toml` says; [`SimBank`] is the devices it describes, as the core sees devices. The host calls
-//! [`SimBank::step`] once per tick, after all commands have handed over their set-points. Everything is a function of the
-//! cell, the set-points and the number of ticks: no clock, no randomness but seeded noise, no allocation in a tick.
+//! [`Cell`] is a parsed `cell.toml`; [`SimBank`] holds the devices that it describes. The host calls [`SimBank::step`]
+//! once per tick, after all commands have sent their set-points. The simulation is deterministic: it depends only on
+//! the cell, the set-points and the number of ticks. It uses no clock and only seeded noise, and a tick does not
+//! allocate.
 //!
-//! This crate must not know commands, nets or programs.
+//! This crate does not depend on commands, nets or programs.
 
 pub mod arm;
 pub mod cell;
@@ -24,7 +25,7 @@ pub use cell::{Cell, CellError, CellErrors};
 pub use device::{PortInfo, Report};
 pub use fault::{Fault, Trouble};
 
-/// The ports of all kinds of devices: what the manual has to tell.
+/// Port descriptions of all device types, for the manual.
 #[must_use]
 pub fn ports() -> Vec<PortInfo> {
     let arms = arm::ports().chain(io::ports());

@@ -1,13 +1,13 @@
-//! Seeded noise: the same seed gives the same bits, on every machine.
+//! Seeded noise. The same seed gives the same bits on every machine.
 
 use core::f64::consts::TAU;
 
-/// A stream of random numbers: SplitMix64 (Steele, Lea, Flood 2014).
+/// A pseudo-random number generator: SplitMix64 (Steele, Lea, Flood 2014).
 #[derive(Clone, Debug)]
 pub(crate) struct Noise(u64);
 
 impl Noise {
-    /// The stream of one device of a cell.
+    /// The generator of one device of a cell.
     pub(crate) fn new(seed: u64, device: usize) -> Self {
         Self(seed ^ (device as u64).wrapping_mul(0xd1b5_4a32_d192_ed03))
     }
@@ -20,12 +20,13 @@ impl Noise {
         mixed ^ (mixed >> 31)
     }
 
-    /// Uniform in (0, 1].
+    /// Uniformly distributed in (0, 1].
     fn unit(&mut self) -> f64 {
         ((self.bits() >> 11) + 1) as f64 / (1_u64 << 53) as f64
     }
 
-    /// Normal with this standard deviation (Box and Muller 1958). Without deviation the stream does not advance.
+    /// Normally distributed with mean 0 and this standard deviation (Box and Muller 1958). With deviation 0 the
+    /// generator does not advance.
     pub(crate) fn normal(&mut self, deviation: f64) -> f64 {
         if deviation == 0.0 {
             return 0.0;

@@ -1,4 +1,4 @@
-//! A simulated arm takes what a real controller takes, refuses what it refuses, and never lets go of a moving arm.
+//! A simulated arm accepts and rejects set-points as a real controller does, and never stays in motion without control.
 
 use rpi_device::{DeviceBank, PortId, PortKind, PortName, Refusal};
 use rpi_image::{Scalar, Type};
@@ -67,7 +67,7 @@ impl Rig {
         Code(self.bank.error(self.joints[axis]))
     }
 
-    /// Hands over a set-point for one axis; the others hold.
+    /// Sends a set-point for one axis; the others hold their positions.
     fn set(&mut self, axis: usize, target: f64) {
         assert_eq!(
             self.check(axis, target),
@@ -102,11 +102,11 @@ fn port(bank: &mut SimBank, name: &str, index: usize, kind: PortKind, ty: Type) 
         .unwrap_or_else(|error| panic!("{name:?}: {error:?}"))
 }
 
-/// Accelerates an axis with constant jerk and then holds the speed: positions tick by tick from 0.
+/// Positions of an axis, tick by tick from 0, that accelerates with constant jerk and then holds the speed.
 fn speed_up(jerk: f64, ticks: i32) -> impl Iterator<Item = f64> {
     let (mut position, mut velocity, mut acceleration) = (0.0, 0.0, 0.0);
     (0..ticks).map(move |tick| {
-        // Up for the first half, down again for the second, so that it ends at constant speed.
+        // Positive jerk in the first half and negative in the second, so that it ends at constant speed.
         acceleration += if tick < ticks / 2 {
             jerk * TICK
         } else {
@@ -226,7 +226,7 @@ fn a_refused_set_point_that_is_written_anyway_moves_nothing() {
     assert_eq!(rig.position(3), 0.0);
 }
 
-/// Runs until the arm stands and returns the positions of an axis, checking its limits on the way.
+/// Runs until the arm is at rest and returns the positions of an axis. Checks its limits on the way.
 fn come_to_rest(
     rig: &mut Rig,
     axis: usize,
@@ -347,7 +347,8 @@ fn set_points_that_join_take_over_from_the_brake() {
     assert!((rig.real(acceleration).expect("one") - a).abs() < 1e-6);
 }
 
-/// The arm brakes as a whole: who goes on setting another joint is told, and whoever begins may set all that moves.
+/// The arm brakes as a whole: a set-point for a single other joint is rejected with an error, and a command that sets
+/// all moving joints can take over.
 #[test]
 fn who_sets_one_joint_hears_that_the_arm_brakes_for_another() {
     let mut rig = Rig::new("");
@@ -376,7 +377,7 @@ fn who_sets_one_joint_hears_that_the_arm_brakes_for_another() {
     assert_eq!(codes, [Code::OK; 7]);
 }
 
-/// The set-point by which an axis goes on as it does.
+/// The set-point with which an axis continues at its present acceleration.
 fn rig_follows(rig: &mut Rig, axis: usize) -> f64 {
     let [velocity, acceleration] = ["joint.commanded_velocity", "joint.commanded_acceleration"]
         .map(|name| {
@@ -386,7 +387,7 @@ fn rig_follows(rig: &mut Rig, axis: usize) -> f64 {
     rig.position(axis) + TICK * (velocity + TICK * acceleration)
 }
 
-/// What one was refused is no concern of who comes next.
+/// A new command does not see the errors of set-points that were rejected before.
 #[test]
 fn who_begins_sees_no_refusals_of_others() {
     let mut rig = Rig::new("");
@@ -523,7 +524,7 @@ fn a_contact_is_felt_at_the_tool_and_in_the_joints() {
         rig.sensor("joint.external_torque", 3),
     );
     assert_eq!(rig.real(force), Some(-10.0));
-    // The forearm and hand reach out level by 0.468 m, and axis 4 of an LWR counts upwards.
+    // The forearm and hand extend horizontally by 0.468 m, and axis 4 of an LWR counts upwards.
     let felt = rig.real(torque).expect("a sample");
     assert!((felt.abs() - 4.68).abs() < 1e-9, "{felt}");
     let numbered = rig.sensor("joint4.external_torque", 0);

@@ -1,4 +1,4 @@
-//! The devices of a cell as the core sees them: names, numbers of actuators, functions; the same bits every time, and no
+//! The devices of a cell through the interface of the core: names, resource numbers, functions, determinism, and no
 //! allocation in a tick.
 
 use rpi_device::{DeviceBank, PortId, PortKind, PortName, Refusal, ResolveError};
@@ -328,7 +328,7 @@ fn velocities_of_joints_are_those_of_the_tool_and_the_elbow() {
     .expect("a function");
     let still = [0.0, 0.5, 0.0, -1.2, 0.0, 0.9, 0.0];
     let mut result = vec![0; 7];
-    // Turning the base turns the tool about z and takes the elbow along.
+    // Rotating the base rotates the tool about z and moves the elbow along.
     let turning = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
     assert!(bank.call(function, &bits(&[still, turning].concat()), &mut result));
     let result: Vec<f64> = result.into_iter().map(f64::from_bits).collect();
@@ -427,7 +427,7 @@ fn a_tool_and_a_way_of_control_are_checked() {
     assert_eq!(bank.check(strategy, &[21]), Refusal::ILLEGAL_VALUE);
 }
 
-/// A wild minute: set-points that join and that do not, faults, stops. Returns every bit that was read.
+/// A random scenario of one minute: valid and invalid set-points, faults, stops. Returns every bit that was read.
 fn wild(bank: &mut SimBank) -> Vec<u64> {
     let joint = actuator(bank, "left", "joint.position", 1, REAL);
     let ports = [
@@ -492,7 +492,7 @@ fn the_same_cell_gives_the_same_bits_and_allocates_nothing() {
 #[test]
 fn every_port_number_is_answered_without_a_panic() {
     let mut bank = bank();
-    // Every line of every device and a few indices of each: some are ports, none is trouble.
+    // Every table row of every device with a few indices each. Some numbers are valid ports; none may panic.
     for number in (0..=u32::MAX).step_by(0x3ff3) {
         let port = PortId(number & !0x3f_0000);
         let mut value = [0; 16];

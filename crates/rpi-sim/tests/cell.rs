@@ -1,4 +1,4 @@
-//! Cell descriptions: what they may say, and how every fault in one is told.
+//! Cell descriptions: valid contents, and the messages for errors.
 
 use rpi_sim::cell::{ArmSpec, Kind};
 use rpi_sim::{Cell, Trouble};
@@ -134,7 +134,7 @@ fn what_is_not_said_is_the_models() {
 fn every_fault_is_told_in_one_run() {
     let text = "[devices.left]\nkind = \"arm\"\nmodel = \"kuka-iiwa-77\"\njoint = [1]\n[devices.right]\nkind = \"leg\"\n";
     let expected = "\
-cell.toml:3:9: `model` knows no \"kuka-iiwa-77\"
+cell.toml:3:9: unknown value \"kuka-iiwa-77\" for `model`
  3 | model = \"kuka-iiwa-77\"
    |         ^^^^^^^^^^^^^^
    = did you mean `kuka-iiwa-7`?
@@ -142,30 +142,30 @@ cell.toml:4:1: unknown key `joint`
  4 | joint = [1]
    | ^^^^^
    = did you mean `joints`?
-cell.toml:6:8: `kind` knows no \"leg\"
+cell.toml:6:8: unknown value \"leg\" for `kind`
  6 | kind = \"leg\"
    |        ^^^^^
-   = known are arm, digital-io, analogue-io, io, linear-unit, base, gripper, force-torque
+   = expected one of arm, digital-io, analogue-io, io, linear-unit, base, gripper, force-torque
 ";
     assert_eq!(faults(text), expected);
 }
 
-/// A description, and what its message must say.
+/// Invalid descriptions, each with a part of the expected message.
 const BROKEN: &[(&str, &str)] = &[
-    ("devices = 3", "1:11: `devices` is a table, found integer"),
     (
-        "[devices]\narm = 3",
-        "2:1: `arm` is a device and needs a table of its own",
+        "devices = 3",
+        "1:11: expected a table for `devices`, found integer",
     ),
+    ("[devices]\narm = 3", "2:1: device `arm` must be a table"),
     ("[device.arm]\nkind = \"arm\"", "1:2: unknown key `device`"),
     (
         "[devices.a]\nmodel = \"kuka-lwr4+\"",
         "1:1: device `a` has no `kind`",
     ),
-    ("[devices.a]\nkind = \"arm\"", "1:1: an arm needs a `model`"),
+    ("[devices.a]\nkind = \"arm\"", "1:1: `model` is missing"),
     (
         "[devices.a]\nkind = 7",
-        "2:8: `kind` is a word in quotes, found integer",
+        "2:8: expected a string for `kind`, found integer",
     ),
     ("seed = -1", "1:8: `seed` is -1, out of range"),
     ("name = \"a", "1:10: invalid basic string"),
@@ -175,7 +175,7 @@ const BROKEN: &[(&str, &str)] = &[
     ),
     (
         "[devices.a]\nkind = \"arm\"\nmodel = \"kuka-lwr4+\"\njoints = [0, 0, \"3 mm\", 0, 0, 0, 0]",
-        "4:17: `joints` cannot be read as a number",
+        "4:17: `joints` is not a valid number",
     ),
     (
         "[devices.a]\nkind = \"arm\"\nmodel = \"kuka-lwr4+\"\njoints = [0, 0, nan, 0, 0, 0, 0]",
@@ -183,7 +183,7 @@ const BROKEN: &[(&str, &str)] = &[
     ),
     (
         "[devices.a]\nkind = \"arm\"\nmodel = \"kuka-lwr4+\"\njoints = [0, 2.5, 0, 0, 0, 0, 0]",
-        "4:10: joint 1 stands at 2.5, outside of its range",
+        "4:10: initial position 2.5 of joint 1 is out of range",
     ),
     (
         "[devices.a]\nkind = \"arm\"\nmodel = \"kuka-lwr4+\"\nlag = -1",
@@ -191,7 +191,7 @@ const BROKEN: &[(&str, &str)] = &[
     ),
     (
         "[devices.a]\nkind = \"arm\"\nmodel = \"kuka-lwr4+\"\nenforce = [\"speed\"]",
-        "4:12: `enforce` knows no \"speed\"",
+        "4:12: unknown value \"speed\" for `enforce`",
     ),
     (
         "[devices.a]\nkind = \"arm\"\nmodel = \"kuka-lwr4+\"\nlimits = { velocity = 0 }",
@@ -203,7 +203,7 @@ const BROKEN: &[(&str, &str)] = &[
     ),
     (
         "[devices.a]\nkind = \"arm\"\nmodel = \"kuka-lwr4+\"\ntool = { rpy = [0, 0, 0], quaternion = [0, 0, 0, 1] }",
-        "4:16: both `rpy` and `quaternion` are given",
+        "4:16: `rpy` and `quaternion` cannot be combined",
     ),
     (
         "[devices.a]\nkind = \"arm\"\nmodel = \"kuka-lwr4+\"\nfaults = [{ trouble = \"joint-failure\" }]",
@@ -215,11 +215,11 @@ const BROKEN: &[(&str, &str)] = &[
     ),
     (
         "[devices.a]\nkind = \"digital-io\"\ninputs = [1]",
-        "3:10: `inputs` is a number of ports or a list of true and false",
+        "3:10: expected a number of ports or a list of Booleans for `inputs`",
     ),
     (
         "[devices.a]\nkind = \"analogue-io\"\ninputs = [true]",
-        "3:11: `inputs` is a number, found boolean",
+        "3:11: expected a number for `inputs`, found boolean",
     ),
     (
         "[devices.a]\nkind = \"digital-io\"\ninputs = 1\nscript = [{ at = 0, input = 1, value = true }]",
@@ -231,7 +231,7 @@ const BROKEN: &[(&str, &str)] = &[
     ),
     (
         "[devices.a]\nkind = \"digital-io\"\ninputs = 1\nrepeat = 1\nscript = [{ at = 1, input = 0, value = true }]",
-        "4:10: `repeat` starts the script again before its last change",
+        "4:10: `repeat` must be later than the last change of the script",
     ),
 ];
 
@@ -246,7 +246,7 @@ fn each_fault_has_its_place_and_its_words() {
     }
 }
 
-/// Of a long line only the part around the fault is shown.
+/// Only the part of a long line around the error is shown.
 #[test]
 fn a_fault_far_to_the_right_is_shown() {
     let told = faults(&format!("a = {}", "[".repeat(100_000)));

@@ -1,4 +1,4 @@
-//! The manual tells every key, port, error code and limit there is; what it tells is what the code does.
+//! The manual describes every key, port, error code and limit as it is in the code.
 
 use rpi_device::PortKind;
 use rpi_kin::ArmModel;
@@ -62,7 +62,7 @@ fn every_arm_is_told_with_its_limits() {
     }
 }
 
-/// The table of one arm's limits, in degrees.
+/// The manual's table of one arm's limits, in degrees.
 fn limits(model: &ArmModel) -> String {
     let short = |value: f64| {
         let rounded = (value.to_degrees() * 10.0).round() / 10.0;

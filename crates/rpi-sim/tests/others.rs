@@ -1,4 +1,4 @@
-//! Platforms, grippers, force sensors and linear units.
+//! Mobile bases, grippers, force sensors and linear units.
 
 use rpi_device::{DeviceBank, PortId, PortKind, PortName, Refusal};
 use rpi_image::{Scalar, Type};
@@ -40,7 +40,7 @@ fn twist(forwards: f64, turning: f64) -> [u64; 6] {
 
 const BASE: &str = "[devices.it]\nkind = \"base\"\ntrack = 0.5\nwheel_radius = 0.1\n";
 
-/// Speeds up, then drives on until `ticks` are over.
+/// Accelerates, then drives at constant velocity until `ticks` have passed.
 fn drive(bank: &mut SimBank, forwards: f64, turning: f64, ticks: u32) {
     let velocity = port(bank, "base.velocity", 0, PortKind::Actuator, Scalar::Twist);
     for tick in 1..=ticks {

@@ -1,4 +1,4 @@
-//! What became of one program.
+//! Test cases of the corpus, and the verdict on each.
 
 use std::path::{Path, PathBuf};
 
@@ -8,26 +8,26 @@ use super::options::{Options, Wanted};
 use super::tool::{Ended, Tools};
 use super::trace::{Flow, NIL, Trace};
 
-/// What becomes of a program.
+/// Verdict on a program.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) enum Fate {
-    /// It has no text here, or its trace is none.
+    /// The program's file is missing, or its trace has an unknown format.
     Missing(String),
-    /// Its text is not understood.
+    /// The program does not parse.
     NotParsed(String),
-    /// It is refused: code and message.
+    /// The program is rejected: code and message.
     Refused(String),
-    /// The tool broke down or hung.
+    /// A tool crashed or timed out.
     Broken(String),
-    /// It faults while it runs.
+    /// The program faults while it runs.
     Fault(String),
-    /// It gives something else.
+    /// The result differs from the expected one.
     Differs(String),
-    /// As it should be.
+    /// The result is as expected.
     Good(String),
 }
 
-/// A program and what it is to do.
+/// A program and its expected result.
 pub(crate) struct Case {
     pub(crate) name: String,
     path: PathBuf,
@@ -39,14 +39,14 @@ enum Expected {
     Refusal,
     Kinds(Vec<String>),
     Run,
-    /// The reason why it is excluded, if it is.
+    /// The reason for its exclusion, if it is excluded.
     Kept(Option<String>),
 }
 
-/// How far values may be apart.
+/// Relative tolerance of real values.
 const TOLERANCE: f64 = 1e-6;
 
-/// All programs that are asked for, by name.
+/// All selected programs, by name.
 pub(crate) fn cases(options: &Options) -> Result<Vec<Case>, String> {
     let only = options.only.as_deref().unwrap_or_default();
     let mut cases = match &options.wanted {
@@ -67,7 +67,9 @@ fn traced(programs: &Path, traces: &Path) -> Result<Vec<Case>, String> {
     let bad = |e: &dyn std::fmt::Display| format!("{}: {e}", traces.display());
     let text = std::fs::read_to_string(traces).map_err(|e| bad(&e))?;
     let entries: Value = serde_json::from_str(&text).map_err(|e| bad(&e))?;
-    let entries = entries.as_object().ok_or_else(|| bad(&"no object"))?;
+    let entries = entries
+        .as_object()
+        .ok_or_else(|| bad(&"expected a JSON object"))?;
     let case = |(name, entry): (&String, &Value)| Case {
         name: name.clone(),
         path: programs.join(name),
@@ -76,8 +78,8 @@ fn traced(programs: &Path, traces: &Path) -> Result<Vec<Case>, String> {
     Ok(entries.iter().map(case).collect())
 }
 
-/// The programs of a table: a JSON object of lists of codes by file, any of which is right; `RPI2` stands for all that begin
-/// so, and an empty list for a program that is to be accepted.
+/// The programs of a table: a JSON object that maps files to lists of codes. Any code of a list is accepted; `RPI2`
+/// matches all codes with this prefix. An empty list means that the program must be accepted.
 fn listed(programs: &Path, table: &Path) -> Result<Vec<Case>, String> {
     let bad = |e: &dyn std::fmt::Display| format!("{}: {e}", table.display());
     let text = std::fs::read_to_string(table).map_err(|e| bad(&e))?;
@@ -91,7 +93,7 @@ fn listed(programs: &Path, table: &Path) -> Result<Vec<Case>, String> {
     Ok(table.into_iter().map(case).collect())
 }
 
-/// All programs of a folder, and a list of those among them that are excluded: a JSON object of reasons by file.
+/// All programs of a directory, with a list of excluded ones: a JSON object that maps files to reasons.
 fn kept(programs: &Path, list: &Path) -> Result<Vec<Case>, String> {
     let bad = |e: &dyn std::fmt::Display| format!("{}: {e}", list.display());
     let text = std::fs::read_to_string(list).map_err(|e| bad(&e))?;
@@ -102,7 +104,7 @@ fn kept(programs: &Path, list: &Path) -> Result<Vec<Case>, String> {
         case.wanted = Expected::Kept(reasons.remove(&case.name));
     }
     match reasons.into_keys().next() {
-        Some(name) => Err(bad(&format!("there is no {name}"))),
+        Some(name) => Err(bad(&format!("unknown program {name}"))),
         None => Ok(cases),
     }
 }
@@ -136,14 +138,14 @@ fn all(programs: &Path, wanted: fn() -> Expected) -> Result<Vec<Case>, String> {
 }
 
 impl Case {
-    /// Runs the program and says what became of it.
+    /// Runs the program and returns the verdict.
     pub(crate) fn judge(&self, tools: &Tools) -> Fate {
         let path = self.path.display().to_string();
         if !self.path.is_file() {
-            return Fate::Missing(format!("there is no {path}"));
+            return Fate::Missing(format!("{path} does not exist"));
         }
         match &self.wanted {
-            Expected::Trace(None) => Fate::Missing("its trace has neither form".to_owned()),
+            Expected::Trace(None) => Fate::Missing("the trace has an unknown format".to_owned()),
             Expected::Trace(Some(trace)) => against(trace, &path, tools),
             Expected::Refusal => refusal(&checked(tools, &path)),
             Expected::Kinds(codes) => of_kind(codes, &checked(tools, &path)),
@@ -157,10 +159,10 @@ impl Case {
     }
 }
 
-/// How many cycles a program runs to show that it keeps its claims.
+/// Number of cycles for checking the contracts of a program.
 const KEPT_CYCLES: &str = "100";
 
-/// Whether a program is accepted, and keeps its claims for made-up inputs that keep its assumptions.
+/// Checks that a program is accepted and satisfies its guarantees for random inputs that satisfy its assumptions.
 fn keeps(tools: &Tools, path: &str) -> Fate {
     let checked = checked(tools, path);
     if checked.status != Some(0) {
@@ -171,22 +173,21 @@ fn keeps(tools: &Tools, path: &str) -> Fate {
     let ended = tools.run("rpi", &args);
     match failure(&ended) {
         Some(_) if ended.err.contains(NO_NODE) => {
-            Fate::Good("nothing in it runs by itself".to_owned())
+            Fate::Good("it has no node that can be run".to_owned())
         }
         Some(fate) => fate,
         None => Fate::Good(String::new()),
     }
 }
 
-/// What `rpi run` says of a program that has only generic nodes, types or constants.
+/// Message of `rpi run` for a program that has only generic nodes, types or constants.
+// Decided by the text because the exit status does not distinguish this case. Must match `rpi-driver/src/node.rs`.
 const NO_NODE: &str = "there is no node in it that can be run";
 
-/// A reason stands for a program that is not as it should be, and for no other.
+/// An excluded program must fail, and only an excluded one may.
 fn excluded(reason: Option<&str>, fate: Fate) -> Fate {
     match (reason, fate) {
-        (Some(_), Fate::Good(_)) => {
-            Fate::Differs("is excluded, and all is well with it".to_owned())
-        }
+        (Some(_), Fate::Good(_)) => Fate::Differs("excluded, but it passes".to_owned()),
         (Some(_), Fate::Broken(why)) => Fate::Broken(why),
         (Some(reason), _) => Fate::Good(format!("excluded: {reason}")),
         (None, fate) => fate,
@@ -195,10 +196,10 @@ fn excluded(reason: Option<&str>, fate: Fate) -> Fate {
 
 fn against(trace: &Trace, path: &str, tools: &Tools) -> Fate {
     let Ok(mut table) = tempfile::NamedTempFile::new() else {
-        return Fate::Broken("no room for its inputs".to_owned());
+        return Fate::Broken("cannot write the inputs".to_owned());
     };
     if std::io::Write::write_all(&mut table, trace.table().as_bytes()).is_err() {
-        return Fate::Broken("no room for its inputs".to_owned());
+        return Fate::Broken("cannot write the inputs".to_owned());
     }
     let inputs = table.path().display().to_string();
     let mut args = vec![
@@ -216,14 +217,14 @@ fn against(trace: &Trace, path: &str, tools: &Tools) -> Fate {
     let ended = tools.run("rpi", &args);
     match failure(&ended) {
         Some(Fate::Refused(why)) if trace.has_nil() && why.starts_with("RPI5") => {
-            Fate::Good("refused, as its trace reads what nothing defines".to_owned())
+            Fate::Good("rejected as expected: the trace reads an undefined value".to_owned())
         }
         Some(fate) => fate,
         None => compare(trace, &ended.out),
     }
 }
 
-/// The first difference between a trace and a table.
+/// Compares a trace with a table and reports the first difference.
 fn compare(trace: &Trace, table: &str) -> Fate {
     let mut lines = table.lines();
     let names: Vec<String> = lines
@@ -236,7 +237,7 @@ fn compare(trace: &Trace, table: &str) -> Fate {
     let mut values = 0;
     for flow in trace.outputs.iter().chain(&trace.locals) {
         let Some(column) = names.iter().position(|name| *name == flow.name) else {
-            return Fate::Differs(format!("there is no `{}`", flow.name));
+            return Fate::Differs(format!("missing flow `{}`", flow.name));
         };
         match difference(flow, |cycle| rows.get(cycle)?.get(column).copied()) {
             Some(what) => return Fate::Differs(format!("{}, {what}", flow.name)),
@@ -244,9 +245,7 @@ fn compare(trace: &Trace, table: &str) -> Fate {
         }
     }
     match trace.has_nil() {
-        true => Fate::Good(format!(
-            "{values} values; what its trace does not define is proved unread"
-        )),
+        true => Fate::Good(format!("{values} values; undefined ones are proved unread")),
         false => Fate::Good(format!("{values} values")),
     }
 }
@@ -255,7 +254,7 @@ fn difference<'t>(flow: &Flow, found: impl Fn(usize) -> Option<&'t str>) -> Opti
     for (cycle, wanted) in flow.values.iter().enumerate() {
         let found = found(cycle).unwrap_or("nothing");
         if !same(wanted, found) {
-            return Some(format!("cycle {cycle}: {found} instead of {wanted}"));
+            return Some(format!("cycle {cycle}: expected {wanted}, found {found}"));
         }
     }
     None
@@ -272,14 +271,14 @@ fn same(wanted: &str, found: &str) -> bool {
     }
 }
 
-/// `x[2].f` as `x_2_f`.
+/// Flattens a name: `x[2].f` becomes `x_2_f`.
 fn flat(name: &str) -> String {
     let kept = name.chars().filter(|c| *c != ']');
     kept.map(|c| if matches!(c, '.' | '[') { '_' } else { c })
         .collect()
 }
 
-/// Why a run did not get to its end.
+/// Verdict on a run that failed; `None` for a successful run.
 fn failure(ended: &Ended) -> Option<Fate> {
     let why = first_error(&ended.err);
     match ended.status {
@@ -295,7 +294,7 @@ fn checked(tools: &Tools, path: &str) -> Ended {
     tools.run("rpic", &["check", "--format", "short", path])
 }
 
-/// Whether one of the errors is of a kind that is wanted, or there is none if none is.
+/// Checks that one of the errors has one of the codes, or that there is no error if no codes are expected.
 fn of_kind(codes: &[String], ended: &Ended) -> Fate {
     let said = format!("{}{}", ended.out, ended.err);
     let errors: Vec<&str> = said.lines().filter_map(error).collect();
@@ -303,14 +302,14 @@ fn of_kind(codes: &[String], ended: &Ended) -> Fate {
     match (ended.status, errors.iter().find(right), errors.first()) {
         (None, ..) => Fate::Broken(first_error(&said)),
         (Some(0), ..) if codes.is_empty() => Fate::Good(String::new()),
-        (Some(0), ..) => Fate::Differs(format!("accepted instead of {}", codes.join(", "))),
+        (Some(0), ..) => Fate::Differs(format!("accepted, expected {}", codes.join(", "))),
         (_, Some(error), _) => Fate::Good((*error).to_owned()),
         (_, None, Some(error)) => Fate::Refused((*error).to_owned()),
         (_, None, None) => Fate::Broken(first_error(&said)),
     }
 }
 
-/// Code and message of a line that tells an error.
+/// Code and message of an output line that reports an error.
 fn error(line: &str) -> Option<&str> {
     line.split_once(": error ").map(|(_, error)| error)
 }
@@ -324,11 +323,11 @@ fn refusal(ended: &Ended) -> Fate {
     }
 }
 
-/// The first error, its code in front, and its place.
+/// Code, message and place of the first error.
 fn first_error(said: &str) -> String {
     let mut lines = said.lines().skip_while(|line| !line.contains("error"));
     let Some(line) = lines.next() else {
-        return said.lines().next().unwrap_or("nothing was said").to_owned();
+        return said.lines().next().unwrap_or("no output").to_owned();
     };
     let place = lines.find_map(|line| line.split_once("[").map(|(_, rest)| rest));
     let place = place

@@ -1,16 +1,17 @@
-//! `cargo xtask lustre-corpus`: Lustre programs written elsewhere, run by our tools.
+//! `cargo xtask lustre-corpus`: runs Lustre programs of other projects with our tools.
 //!
-//! The programs stay outside of the repository. With traces each program must give what the trace says; with `--reject`
-//! each must be refused, with a table after `--kinds` for the reason that it gives; with a list after `--excluded` each
-//! must be accepted and keep its claims, or stand in the list with the reason why it does not; with none of them each must run. The tools are run as their users run them, one process per program.
+//! The programs are not part of the repository. With traces, each program must give the traced outputs. With
+//! `--reject`, each must be rejected; with a table after `--kinds`, each with the listed error codes. With a list after
+//! `--excluded`, each must be accepted and satisfy its contracts, or be in the list with the reason why it does not.
+//! Without any of these options, each must run. The tools run as users run them, one process per program.
 //!
-//! | file | idea |
+//! | file | content |
 //! |---|---|
-//! | `options.rs` | what is asked for |
-//! | `trace.rs` | recorded inputs and outputs, in the two forms in which they come |
+//! | `options.rs` | command line |
+//! | `trace.rs` | recorded inputs and outputs, in two formats |
 //! | `tool.rs` | our tools as processes |
-//! | `judge.rs` | what became of one program |
-//! | `report.rs` | what became of all |
+//! | `judge.rs` | verdict on one program |
+//! | `report.rs` | summary of all programs |
 
 mod judge;
 mod options;
@@ -26,7 +27,7 @@ use options::Options;
 use report::Report;
 use tool::Tools;
 
-/// Runs a corpus and prints what became of it.
+/// Runs a corpus and prints the report.
 pub(crate) fn corpus(args: &[String]) -> Result<(), String> {
     let options = Options::parse(args)?;
     let cases = judge::cases(&options)?;
@@ -39,7 +40,7 @@ pub(crate) fn corpus(args: &[String]) -> Result<(), String> {
     }
 }
 
-/// In the order of the cases, whatever thread was first.
+/// Runs all cases on several threads. The results are in the order of the cases.
 fn judge_all(cases: Vec<Case>, tools: &Tools) -> Vec<(String, Fate)> {
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let open: Mutex<VecDeque<(usize, Case)>> = Mutex::new(cases.into_iter().enumerate().collect());

@@ -1,34 +1,34 @@
-//! What is asked for on the command line.
+//! Command line of `lustre-corpus`.
 
 use std::path::PathBuf;
 
-/// What the programs are to do.
+/// Expected result of the programs.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) enum Wanted {
-    /// Give what the traces say.
+    /// Outputs as in this file of traces.
     Match(PathBuf),
-    /// Be refused.
+    /// Rejection.
     Reject,
-    /// Be refused for the reason that a table gives, or not at all.
+    /// Rejection with the codes listed in this table, or acceptance for an empty list.
     Kinds(PathBuf),
-    /// Run.
+    /// A successful run.
     Run,
-    /// Be accepted and keep their claims, but for those that a list excludes, each with its reason.
+    /// Acceptance and satisfied contracts, except for the programs in this list of exclusions with reasons.
     Keep(PathBuf),
 }
 
-/// The options of the chore.
+/// Options of the task.
 #[derive(Clone, Debug)]
 pub(crate) struct Options {
-    /// Where the programs are.
+    /// Directory of the programs.
     pub(crate) programs: PathBuf,
-    /// What they are to do.
+    /// Expected result of the programs.
     pub(crate) wanted: Wanted,
-    /// Groups of programs, a JSON object of lists of names, to be counted by themselves.
+    /// Groups of programs that are counted separately: a JSON object of lists of names.
     pub(crate) groups: Option<PathBuf>,
-    /// Show all programs, not only those that fail.
+    /// Print all programs, not only those that fail.
     pub(crate) list: bool,
-    /// Only programs in whose name this occurs.
+    /// Select only programs whose name contains this text.
     pub(crate) only: Option<String>,
 }
 

@@ -1,4 +1,4 @@
-//! What became of all programs, in numbers.
+//! Summary of the verdicts on all programs.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -8,14 +8,14 @@ use serde_json::Value;
 use super::judge::Fate;
 use super::options::Options;
 
-/// What became of all programs.
+/// Verdicts on all programs.
 pub(crate) struct Report {
     judged: Vec<(String, Fate)>,
-    /// The group of a program.
+    /// The group of each program.
     groups: BTreeMap<String, String>,
 }
 
-/// How far programs got.
+/// Number of programs that reached each stage.
 #[derive(Default)]
 struct Counts {
     all: usize,
@@ -55,7 +55,10 @@ impl Report {
             let bad = |e: &dyn std::fmt::Display| format!("{}: {e}", path.display());
             let text = std::fs::read_to_string(path).map_err(|e| bad(&e))?;
             let listed: Value = serde_json::from_str(&text).map_err(|e| bad(&e))?;
-            for (group, names) in listed.as_object().ok_or_else(|| bad(&"no object"))? {
+            for (group, names) in listed
+                .as_object()
+                .ok_or_else(|| bad(&"expected a JSON object"))?
+            {
                 let names = names.as_array().into_iter().flatten();
                 let names = names.filter_map(Value::as_str);
                 groups.extend(names.map(|name| (name.to_owned(), group.clone())));
@@ -70,7 +73,7 @@ impl Report {
             .all(|(_, fate)| matches!(fate, Fate::Good(_)))
     }
 
-    /// The programs, all or those that are not as they should be, then the numbers.
+    /// Lists the programs (all, or those that fail), then the counts.
     pub(crate) fn print(&self, list: bool) -> String {
         let mut out = String::new();
         let mut counts: BTreeMap<&str, Counts> = BTreeMap::new();

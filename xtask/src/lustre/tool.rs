@@ -6,24 +6,24 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// After so long a program counts as hanging.
+/// Time limit for a program.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// The tools, built.
+/// The built tools.
 pub(crate) struct Tools {
     folder: PathBuf,
 }
 
-/// How a tool ended.
+/// Exit status and output of a tool.
 pub(crate) struct Ended {
-    /// Exit status; none if it was stopped.
+    /// Exit status; `None` if the tool was killed.
     pub(crate) status: Option<i32>,
     pub(crate) out: String,
     pub(crate) err: String,
 }
 
 impl Tools {
-    /// Builds `rpi` and `rpic` beside this tool, by its profile.
+    /// Builds `rpi` and `rpic` with the profile of this tool.
     pub(crate) fn build() -> Result<Tools, String> {
         let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
         let args = [
@@ -38,16 +38,16 @@ impl Tools {
         let profile = (!cfg!(debug_assertions)).then_some("--release");
         let status = Command::new(cargo).args(args).args(profile).status();
         if !status.is_ok_and(|status| status.success()) {
-            return Err("the tools do not build".to_owned());
+            return Err("cannot build the tools".to_owned());
         }
         let me = std::env::current_exe().map_err(|e| e.to_string())?;
         let folder = me.parent().map(Path::to_owned);
         Ok(Tools {
-            folder: folder.ok_or("where are the tools?")?,
+            folder: folder.ok_or("cannot locate the tools")?,
         })
     }
 
-    /// Runs a tool to its end, or until patience ends.
+    /// Runs a tool to its end, or kills it after the time limit.
     pub(crate) fn run(&self, tool: &str, args: &[&str]) -> Ended {
         let ended = self.ended(tool, args);
         ended.unwrap_or_else(|error| Ended {

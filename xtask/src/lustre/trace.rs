@@ -1,15 +1,14 @@
-//! Recorded inputs and outputs, in the two forms in which they come: a table of texts (Lustre V6), or a list of values per
-//! flow (Kind 2).
+//! Recorded inputs and outputs in two formats: a table of strings (Lustre V6), or a list of values per flow (Kind 2).
 
 use serde_json::Value;
 
-/// A flow and its values, cycle by cycle, as text.
+/// A flow and its values as text, cycle by cycle.
 pub(crate) struct Flow {
     pub(crate) name: String,
     pub(crate) values: Vec<String>,
 }
 
-/// What a program was fed and what it gave.
+/// Recorded inputs and outputs of a program.
 pub(crate) struct Trace {
     pub(crate) node: String,
     pub(crate) inputs: Vec<Flow>,
@@ -19,7 +18,7 @@ pub(crate) struct Trace {
 }
 
 impl Trace {
-    /// Reads one entry of a file of traces; none if it is of neither form.
+    /// Reads one entry of a trace file; `None` if it has neither format.
     pub(crate) fn read(entry: &Value) -> Option<Trace> {
         match entry.get("node") {
             Some(node) => tables(entry, node.as_str()?),
@@ -27,13 +26,13 @@ impl Trace {
         }
     }
 
-    /// Whether a value was read that nothing had defined.
+    /// True if an undefined value was read.
     pub(crate) fn has_nil(&self) -> bool {
         let values = self.outputs.iter().flat_map(|flow| &flow.values);
         values.into_iter().any(|value| value == NIL)
     }
 
-    /// The inputs as a comma-separated table.
+    /// The inputs as comma-separated values.
     pub(crate) fn table(&self) -> String {
         let names: Vec<&str> = self.inputs.iter().map(|flow| flow.name.as_str()).collect();
         let mut text = names.join(",");
@@ -47,7 +46,7 @@ impl Trace {
     }
 }
 
-/// What stands for a value that nothing has defined.
+/// Text of an undefined value.
 pub(crate) const NIL: &str = "nil";
 
 impl Flow {
@@ -56,7 +55,7 @@ impl Flow {
     }
 }
 
-/// `inputs`, `outputs`: name and type of each column; `in`, `out`: rows of texts.
+/// Reads the format with `inputs`, `outputs` (name and type of each column) and `in`, `out` (rows of strings).
 fn tables(entry: &Value, node: &str) -> Option<Trace> {
     let rows = entry.get("in")?.as_array()?.len();
     Some(Trace {
@@ -79,7 +78,7 @@ fn columns(names: &Value, rows: &Value) -> Option<Vec<Flow>> {
     names.as_array()?.iter().enumerate().map(column).collect()
 }
 
-/// `inputs`: an object per cycle; `outputs`, `locals`: a list per flow.
+/// Reads the format with `inputs` (an object per cycle) and `outputs`, `locals` (a list per flow).
 fn lists(entry: &Value, node: &str) -> Option<Trace> {
     let rows = entry.get("inputs")?.as_array()?;
     let names = rows.first().and_then(Value::as_object);
@@ -108,7 +107,7 @@ fn listed(flows: &Value) -> Option<Vec<Flow>> {
     flows.as_object()?.iter().map(flow).collect()
 }
 
-/// A value as our tables write it; `{"num": 1, "den": 2}` is a real.
+/// A value in the format of our tables; `{"num": 1, "den": 2}` is a real.
 fn text(value: &Value) -> String {
     let part = |name: &str| value.get(name).and_then(number);
     match (value, part("num"), part("den")) {
@@ -125,7 +124,7 @@ fn number(value: &Value) -> Option<f64> {
     }
 }
 
-/// `t`, `f` and fractions as our tables write them.
+/// Converts `t`, `f` and fractions to the format of our tables.
 fn plain(text: &str) -> String {
     let fraction = text.split_once('/').and_then(|(num, den)| {
         let (num, den): (f64, f64) = (num.parse().ok()?, den.parse().ok()?);

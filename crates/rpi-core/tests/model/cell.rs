@@ -1,4 +1,4 @@
-//! Four axes and the commands of the histories: what each does in a cycle is set from outside.
+//! A cell with four axes, and the commands of the histories, whose behaviour is controlled by inputs.
 
 use rpi_bench::{Build, twin};
 use rpi_core::{Command, Continuity};
@@ -11,7 +11,7 @@ use std::sync::Arc;
 pub(crate) const TICK_NS: u64 = 1_000_000;
 pub(crate) const AXES: usize = 4;
 
-/// What a command needs, and how many ticks its cycle takes.
+/// For each kind of command, the axes that it needs and its period in ticks.
 pub(crate) const KINDS: [(&[u32], u64); 8] = [
     (&[], 1),
     (&[0], 1),
@@ -23,15 +23,15 @@ pub(crate) const KINDS: [(&[u32], u64); 8] = [
     (&[0], 2),
 ];
 
-/// Steps of an axis that differ by more do not join.
+/// Largest change between consecutive steps of an axis that counts as continuous.
 pub(crate) const STEADY: f64 = 1.0;
 
-/// Axes that a history can make fail.
+/// Axes whose devices a history can make fail.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) struct Axes {
     pub(crate) positions: [f64; AXES],
     pub(crate) moving: [bool; AXES],
-    /// How far each went with its last set-point.
+    /// Distance that each axis moved with its last set-point.
     pub(crate) steps: [f64; AXES],
     pub(crate) failed: [bool; AXES],
     pub(crate) stops: [u32; AXES],
@@ -107,12 +107,12 @@ pub(crate) mod end {
     pub(crate) const FAULT: i64 = 4;
 }
 
-/// Indices of a command's inputs, results and exports.
+/// Keys of the inputs and the export of a command.
 pub(crate) const SPEED: &str = "speed";
 pub(crate) const END: &str = "end";
 pub(crate) const FLAG: &str = "flag";
 
-/// Moves its axes on by `speed` per cycle, exports `flag`, ends as `end` says.
+/// An image that moves its axes by `speed` per cycle, exports `flag`, and ends as the input `end` says.
 pub(crate) fn image(kind: usize) -> Arc<Image> {
     let (axes, ticks) = KINDS[kind];
     let root = FragmentId::ROOT;

@@ -1,4 +1,4 @@
-//! Conditions of the model: trees, evaluated by the definitions C1 to C5.
+//! Conditions of the model: expression trees, evaluated by the definitions C1 to C5.
 
 use rpi_core::{CommandId, Condition, Fact};
 
@@ -7,14 +7,14 @@ use rpi_core::{CommandId, Condition, Fact};
 pub(crate) enum Expr {
     Fact(CommandId, Fact),
     Value(bool),
-    /// A fact of a command that was unloaded before it was settled.
+    /// A fact about a command that was unloaded before the fact was settled.
     Never,
     Not(Box<Expr>),
     And(Box<Expr>, Box<Expr>),
     Or(Box<Expr>, Box<Expr>),
 }
 
-/// What is known of a fact: its value now, and whether that is settled.
+/// Knowledge about a fact: its present value, and whether the value is final.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(crate) struct Known {
     pub(crate) now: Option<bool>,
@@ -42,7 +42,7 @@ impl Expr {
         }
     }
 
-    /// Kleene's value.
+    /// Value by Kleene's three-valued logic.
     pub(crate) fn value(&self, know: Know<'_>) -> Option<bool> {
         match self {
             Expr::Fact(id, fact) => know(*id, *fact).now,
@@ -62,7 +62,7 @@ impl Expr {
         }
     }
 
-    /// C5: whether it may come to have this value.
+    /// C5: whether the condition may take this value now or later.
     pub(crate) fn may_be(&self, wanted: bool, know: Know<'_>) -> bool {
         match self {
             Expr::Fact(id, fact) => {
@@ -79,7 +79,7 @@ impl Expr {
         }
     }
 
-    /// The commands that it names, in the order of the text.
+    /// The commands in the condition, in text order.
     pub(crate) fn names(&self) -> Vec<CommandId> {
         match self {
             Expr::Fact(id, _) => vec![*id],
@@ -89,7 +89,7 @@ impl Expr {
         }
     }
 
-    /// R3: whether a command must have ended before it can be true.
+    /// R3: whether the command must have ended before the condition can be true.
     pub(crate) fn requires(&self, command: CommandId) -> bool {
         let open = Known {
             now: None,
@@ -107,7 +107,7 @@ impl Expr {
         !self.may_be(true, &know)
     }
 
-    /// A command is no more: what was said about it stays.
+    /// Replaces the facts about a removed command by their final values.
     pub(crate) fn freeze(&mut self, gone: CommandId, last: &dyn Fn(Fact) -> Option<bool>) {
         match self {
             Expr::Fact(id, fact) if *id == gone => {

@@ -1,4 +1,4 @@
-//! Random histories, and the pair that lives through them.
+//! Random histories, executed by the core and by the model side by side.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
@@ -14,10 +14,10 @@ use crate::cell::{self, Axes, KINDS, TICK_NS};
 use crate::expr::Expr;
 use crate::model::{End, Law, Model};
 
-/// Commands that there is room for.
+/// Capacity for commands.
 const ROOM: usize = 8;
 
-/// A step of a history. Numbers choose among what there is.
+/// A step of a history. Numbers select among the existing commands and rules.
 #[derive(Clone, Debug)]
 pub(crate) enum Op {
     Load(usize, Continuity),
@@ -43,7 +43,7 @@ pub(crate) enum Op {
     Ticks(u8),
 }
 
-/// A rule to be made.
+/// A rule to be added.
 #[derive(Clone, Debug)]
 pub(crate) struct Draft {
     condition: Shape,
@@ -132,7 +132,7 @@ pub(crate) fn op() -> impl Strategy<Value = Op> {
     ]
 }
 
-/// How often what happened.
+/// Counters of events.
 #[derive(Clone, Copy, Default, Debug)]
 pub(crate) struct Tally {
     started: u32,
@@ -157,7 +157,7 @@ impl Tally {
         self.jumped += other.jumped;
     }
 
-    /// Of two hundred histories.
+    /// True if two hundred histories contain enough events of each kind.
     pub(crate) fn is_eventful(&self) -> bool {
         self.started > 500
             && self.ended > 300
@@ -170,13 +170,13 @@ impl Tally {
     }
 }
 
-/// Core and model.
+/// The core and the model.
 pub(crate) struct Pair {
     core: Core,
     bank: Axes,
     model: Model,
     places: Places,
-    /// All commands that there ever were, and the first tick that the core told of each.
+    /// All commands ever created, and the tick of the first notice about each.
     ids: Vec<CommandId>,
     first: BTreeMap<CommandId, u64>,
     rules: Vec<RuleId>,
@@ -204,7 +204,7 @@ impl Pair {
         }
     }
 
-    /// One of the latest commands.
+    /// The k-th latest command.
     fn id(&self, k: usize) -> Option<CommandId> {
         self.ids.iter().rev().nth(k).copied()
     }
@@ -345,7 +345,7 @@ impl Pair {
         self.clear_up();
     }
 
-    /// Takes out what is over, as the host does.
+    /// Takes finished commands and rules out of the core, as the host does.
     fn clear_up(&mut self) {
         while let Some((id, _)) = self.core.take_gone() {
             self.places.give_back(id);
@@ -389,7 +389,7 @@ impl Pair {
         }
     }
 
-    /// Whether both are in the same state.
+    /// Checks that the core and the model are in the same state.
     pub(crate) fn agree(&self) -> Result<(), String> {
         self.answers.clone()?;
         if let Some(left) = self.model.gone.first() {

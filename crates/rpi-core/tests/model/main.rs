@@ -1,5 +1,5 @@
-//! The core beside an independent model of the book's rules, on random histories: loads, starts, rules, cancels, aborts,
-//! device faults, clients that disappear. After each step they agree on every state, resource and cycle number.
+//! The core and an independent model of the manual's rules, on random histories: loads, starts, rules, cancels, aborts,
+//! device faults, lost clients. After each step they must agree on every state, resource and cycle number.
 
 mod cell;
 mod expr;
@@ -11,7 +11,7 @@ use proptest::prelude::*;
 
 rpi_testkit::trap_allocations!();
 
-/// How many histories are lived through: `cargo xtask soak` asks for more.
+/// Number of histories. `cargo xtask soak` sets a larger one.
 fn histories() -> u32 {
     let asked = std::env::var("RPI_HISTORIES").ok();
     asked.and_then(|n| n.parse().ok()).unwrap_or(1000)
@@ -30,7 +30,7 @@ proptest! {
     }
 }
 
-/// A history is no history if nothing happens in it.
+/// Checks that the random histories contain enough events to be a useful test.
 #[test]
 fn histories_are_eventful() {
     use proptest::strategy::ValueTree;

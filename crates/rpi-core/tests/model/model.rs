@@ -1,6 +1,6 @@
-//! The control core as the book describes it, written down once more and as plainly as can be.
+//! A second implementation of the control core as the manual describes it, as simple as possible.
 //!
-//! Nothing here is shared with the core but names. Numbers in comments are the rules of the book's chapter.
+//! It shares only type names with the core. Numbers in comments are the rules of the manual's chapter.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -9,7 +9,7 @@ use rpi_core::{Cause, CommandId, Continuity, Fact, Refused, RuleId, State, Why};
 use crate::cell::{Axes, KINDS, STEADY, end};
 use crate::expr::{Expr, Known};
 
-/// How a command has ended.
+/// The end of a command.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(crate) struct End {
     pub(crate) cause: How,
@@ -44,7 +44,7 @@ impl From<Cause> for How {
 pub(crate) struct Cmd {
     pub(crate) kind: usize,
     pub(crate) guard: Continuity,
-    /// It was started by a rule.
+    /// The command was started by a rule.
     pub(crate) joins: bool,
     pub(crate) state: State,
     pub(crate) holds: BTreeSet<u32>,
@@ -84,7 +84,7 @@ pub(crate) struct Law {
 }
 
 impl Law {
-    /// R3
+    /// R3: predecessors of the rule.
     fn before(&self) -> Vec<CommandId> {
         let names = self.condition.names().into_iter();
         let required = names.filter(|id| self.condition.requires(*id));
@@ -97,10 +97,10 @@ pub(crate) struct Model {
     pub(crate) rules: Vec<(RuleId, Law, Vec<CommandId>)>,
     pub(crate) axes: Axes,
     pub(crate) tick: u64,
-    /// A jump in this tick stops everything.
+    /// A discontinuity in this tick stops all commands.
     stops: bool,
     pub(crate) room: usize,
-    /// Given up for good, to be taken out.
+    /// Orphaned commands that wait to be taken out.
     pub(crate) gone: BTreeSet<CommandId>,
 }
 
@@ -151,7 +151,7 @@ impl Model {
             .commands
             .iter()
             .filter(|(_, c)| c.holds.contains(&resource));
-        // The table's order.
+        // Same order as the table of the core.
         let mut all: Vec<_> = holds.map(|(id, _)| *id).collect();
         all.sort_by_key(|id| id.place());
         all
@@ -159,7 +159,7 @@ impl Model {
 
     // ---------------------------------------------------------------- requests
 
-    /// R2
+    /// R2: starts a command.
     pub(crate) fn start(&mut self, id: CommandId) -> Answer {
         let cmd = self.cmd(id)?;
         if cmd.state != State::Ready {
@@ -206,7 +206,7 @@ impl Model {
         Ok(())
     }
 
-    /// L: the last row but one; C4.
+    /// L: the last row but one of the lifecycle; C4.
     pub(crate) fn unload(&mut self, id: CommandId) -> Answer {
         let cmd = self.cmd(id)?;
         if cmd.runs() {
@@ -231,7 +231,7 @@ impl Model {
         Ok(())
     }
 
-    /// B5
+    /// B5: aborts all commands.
     pub(crate) fn emergency_stop(&mut self) {
         self.stop_all(Why::EmergencyStop);
     }
@@ -244,7 +244,7 @@ impl Model {
         self.close();
     }
 
-    /// R4, S8
+    /// R4, S8: adds a rule.
     pub(crate) fn schedule(&mut self, id: RuleId, law: &Law) -> Answer {
         let before = law.before();
         if self.rules.len() >= self.room {
@@ -291,7 +291,7 @@ impl Model {
 
     // ---------------------------------------------------------------- conditions
 
-    /// C2 to C4
+    /// C2 to C4: knowledge about a fact.
     fn know(&self, id: CommandId, fact: Fact) -> Known {
         let Some(cmd) = self.commands.get(&id) else {
             return Known::NEVER;
@@ -321,7 +321,7 @@ impl Model {
         }
     }
 
-    /// S8: what a rule starts has not run when it fires.
+    /// S8: the commands that a rule starts have not run when it fires.
     fn may_come_true(&self, law: &Law) -> bool {
         let know = |id: CommandId, fact: Fact| match fact {
             Fact::Export(_) if law.start.contains(&id) => Known::NEVER,
@@ -340,7 +340,7 @@ impl Model {
 
     // ---------------------------------------------------------------- resources
 
-    /// R4: who keeps a resource out of reach of what a rule with these before it is to start.
+    /// R4: the commands that keep a resource out of reach of a command to start, given the predecessors of its rule.
     fn out_of_reach(
         &self,
         (before, stop): (&[CommandId], &[CommandId]),
@@ -366,7 +366,7 @@ impl Model {
             })
     }
 
-    /// R5
+    /// R5: whether another scheduled command is an alternative.
     fn alternative(&self, before: &[CommandId], other: CommandId) -> bool {
         self.commands[&other].state == State::Scheduled
             && self.rules.iter().any(|(_, law, theirs)| {
@@ -374,7 +374,7 @@ impl Model {
             })
     }
 
-    /// R6
+    /// R6: scheduled commands take their free resources.
     fn take_free(&mut self) -> bool {
         let mut took = false;
         let mut ids: Vec<_> = self.commands.keys().copied().collect();
@@ -431,7 +431,7 @@ impl Model {
         });
     }
 
-    /// S3 to S6
+    /// S3 to S6: fires a rule.
     fn fire(&mut self, id: RuleId, next: u64) {
         let Some(at) = self.rules.iter().position(|r| r.0 == id) else {
             return;
@@ -469,7 +469,7 @@ impl Model {
         }
     }
 
-    /// S3
+    /// S3: whether a command can get its resources now.
     fn obtainable(&self, law: &Law, before: &[CommandId], next: CommandId) -> bool {
         let Some(cmd) = self.commands.get(&next) else {
             return false;
@@ -485,7 +485,7 @@ impl Model {
                 .all(|r| self.holders(*r).iter().all(gives))
     }
 
-    /// R7, B2, then S7.
+    /// R7, B2, then S7: concludes a decision.
     fn close(&mut self) {
         for cmd in self.commands.values_mut().filter(|c| c.leaving) {
             cmd.leaving = false;
@@ -503,7 +503,7 @@ impl Model {
         self.settle();
     }
 
-    /// S7
+    /// S7: drops rules and orphans commands up to a fixed point.
     fn settle(&mut self) {
         while self.settle_once() {}
     }
@@ -547,7 +547,7 @@ impl Model {
         self.may_come_true(law) && law.start.iter().all(reachable)
     }
 
-    /// C4: a command is no more.
+    /// C4: removes a command.
     fn forget(&mut self, id: CommandId) {
         let Some(cmd) = self.commands.remove(&id) else {
             return;
@@ -613,7 +613,7 @@ impl Model {
         self.tick += 1;
     }
 
-    /// T1 for the one `yield` that there is.
+    /// T1, for the only `yield` of the test commands.
     fn covered(&self, id: CommandId) -> bool {
         let cmd = &self.commands[&id];
         let end = End {
@@ -651,7 +651,7 @@ impl Model {
         })
     }
 
-    /// One cycle up to the hand-over: B3, B4.
+    /// One cycle up to the hand-over of set-points: B3, B4.
     fn cycle(&mut self, id: CommandId, accepted: [bool; 4]) {
         let cmd = self.commands[&id].clone();
         let jumps = self.jumps(&cmd);
@@ -677,12 +677,12 @@ impl Model {
         });
         let ends = self.verdict(id).is_some();
         if fault || (lost && !ends) {
-            // Marked here, ended in the decision.
+            // Marked here; the end follows in the decision.
             self.change(id, |c| c.how = end::FAULT);
         }
     }
 
-    /// J1
+    /// J1: whether the set-points of this cycle are discontinuous.
     fn jumps(&self, cmd: &Cmd) -> bool {
         let change = |r: &u32| cmd.speed - self.axes.steps[*r as usize];
         let joining = cmd.joins && cmd.cycles < 2;
@@ -719,7 +719,7 @@ fn brake(axes: &mut Axes, resource: u32) {
     axes.stops[resource as usize] += 1;
 }
 
-/// C2 and L6, of a command that has ended.
+/// C2 and L6: whether a fact is true of an ended command.
 fn said(fact: Fact, end: &End) -> bool {
     let by_result = matches!(end.cause, How::Result(_));
     match fact {

@@ -1,8 +1,8 @@
-//! The switching protocol in all its states: three commands, two actuators, every order of requests and every behaviour,
-//! carried out by the core itself and searched by stateright.
+//! Model checking of the switching protocol: three commands, two actuators, every order of requests and every
+//! behaviour. The core itself is the transition function; stateright searches the states.
 //!
-//! A state is what can be seen of the core and its devices between two ticks. It is reached again by carrying out the
-//! actions that led to it, so that nothing stands between what is checked and what runs.
+//! A state is the observable state of the core and its devices between two ticks. It is reached again by replaying the
+//! actions that led to it, so that the checked code is the code that runs.
 
 #[path = "../model/cell.rs"]
 #[allow(dead_code)]
@@ -12,7 +12,7 @@ mod world;
 use stateright::{Checker, Model, Property};
 use world::{Action, Snapshot, World};
 
-/// How many ticks are looked ahead, and rules made.
+/// Bounds of the search: number of ticks and number of rules.
 const TICKS: u64 = 2;
 const RULES: usize = 2;
 

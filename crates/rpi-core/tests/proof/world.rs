@@ -1,4 +1,4 @@
-//! A core with three commands and two actuators, and what can be seen of it.
+//! A core with three commands and two actuators, and its observable state.
 
 use std::hash::{Hash, Hasher};
 use std::sync::{Arc, OnceLock};
@@ -8,21 +8,21 @@ use rpi_image::Image;
 
 use crate::cell::{self, Axes, TICK_NS, end};
 
-/// What the three need: one axis, the same axis, both.
+/// Resources of the three commands: one axis, the same axis, both axes.
 const KINDS: [usize; 3] = [1, 1, 3];
 const COMMANDS: usize = KINDS.len();
 
-/// One step.
+/// A transition of the model.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub(crate) enum Action {
     Start(usize),
-    /// Schedules one on another: for the result `done`, for `early`, or for any.
+    /// Schedules one command after another: by result `done`, by `early`, or by any result.
     Follow {
         next: usize,
         after: usize,
         by: Option<u32>,
     },
-    /// Starts one when another has failed.
+    /// Starts one command when another has failed.
     Rescue {
         next: usize,
         after: usize,
@@ -30,7 +30,7 @@ pub(crate) enum Action {
     Cancel(usize),
     Abort(usize),
     Unload(usize),
-    /// A tick in which the commands that run do this: `end` and whether they move.
+    /// A tick in which the running commands have these inputs: `end`, and whether they move.
     Tick {
         end: i64,
         moves: bool,
@@ -74,7 +74,7 @@ pub(crate) struct World {
     seen: Seen,
 }
 
-/// What has happened in the latest step.
+/// Events of the latest transition.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
 struct Seen {
     takeover: bool,
@@ -170,7 +170,7 @@ impl World {
         while self.core.take_spent().is_some() {}
     }
 
-    /// Carries an action out and compares what has come of it with what must have.
+    /// Executes an action and checks its effects. Returns the violated property.
     pub(crate) fn check(&mut self, action: Action) -> Option<&'static str> {
         let before = [0, 1, 2].map(|k| self.state(k));
         let first = self
@@ -201,7 +201,7 @@ impl World {
         }
     }
 
-    /// Everybody who ran has finished: the first rule was for that, or for nothing that can still be.
+    /// Checks a tick in which all running commands finish: the first rule was waiting for that, or can no longer fire.
     fn check_switch(
         &self,
         before: [Option<State>; COMMANDS],
@@ -220,7 +220,7 @@ impl World {
         let command = self.core.command(*starts.first()?);
         let runs = command.filter(|c| c.state().runs());
         let begins = runs.is_some_and(|c| c.machine().cycle() == 0) && self.core.now() == now + 1;
-        // It has fired, or waits for somebody else, or was dropped with what it was to start.
+        // The rule has fired, waits for another command, or was dropped together with the commands that it starts.
         let given_up = command.is_none_or(|c| matches!(c.state(), State::Ready | State::Scheduled));
         (!(begins || pending || given_up)).then_some("a switch was lost")
     }
@@ -262,7 +262,7 @@ impl World {
     }
 }
 
-/// What can be seen of a command.
+/// Observable state of a command.
 #[derive(Clone, PartialEq, Eq, Hash, Debug)]
 struct Sight {
     state: State,
@@ -272,12 +272,12 @@ struct Sight {
     result: Option<String>,
 }
 
-/// What can be seen between two ticks, and one way to get there.
+/// Observable state between two ticks, and one path that reaches it.
 #[derive(Clone, Debug)]
 pub(crate) struct Snapshot {
     seen: Seen,
     commands: [Option<Sight>; COMMANDS],
-    /// As text, with the commands that each starts.
+    /// Rules as text, with the commands that each one starts.
     rules: Vec<(String, Vec<usize>)>,
     moving: [bool; 2],
     made: usize,
@@ -331,7 +331,7 @@ impl Snapshot {
         self.seen.loser
     }
 
-    /// Whether an action is worth trying: requests that are refused for their state are tested elsewhere.
+    /// Whether an action is worth exploring. Requests that are rejected for their state are tested elsewhere.
     pub(crate) fn offers(&self, action: &Action) -> bool {
         let state = |k: usize| self.commands[k].as_ref().map(|c| c.state);
         match *action {

@@ -1,4 +1,4 @@
-//! Axes that move as far as they are set, and commands for them.
+//! Test axes that move directly to their set-points, and commands for them.
 #![allow(dead_code, unreachable_pub)]
 
 use rpi_bench::{Build, build, twin};
@@ -11,17 +11,17 @@ use rpi_net::{FragmentId, Input, Net, PortRef, ResultKind};
 pub const MS: u64 = 1_000_000;
 pub const ROOT: FragmentId = FragmentId::ROOT;
 
-/// Four axes. An axis moves if its last set-point was another than the one before.
+/// Four axes. An axis is moving if its last set-point differs from the previous one.
 #[derive(Clone, Default)]
 pub struct Axes {
     pub positions: [f64; 4],
     pub moving: [bool; 4],
-    /// How far each went with its last set-point.
+    /// Distance that each axis moved with its last set-point.
     pub steps: [f64; 4],
-    /// Set-points by axis, in order, as far as there is room.
+    /// Set-points with their axes, in order, up to the capacity.
     pub log: Vec<(u32, f64)>,
     pub stops: [u32; 4],
-    /// The ticks between set-points of who has begun last.
+    /// Period of the command that started last on each axis, in ticks.
     pub paces: [u32; 4],
     pub failed: bool,
 }
@@ -68,7 +68,7 @@ impl DeviceBank for Axes {
             _ => Refusal::NONE,
         }
     }
-    /// A step that differs by more than 2 mm from the one before does not join.
+    /// A step is discontinuous if it differs by more than 2 mm from the previous one.
     fn jump(&self, port: PortId, value: &[u64]) -> Option<Jump> {
         let axis = port.0 as usize;
         let step = f64::from_bits(value[0]) - self.positions[axis];
@@ -105,8 +105,8 @@ impl DeviceBank for Axes {
     }
 }
 
-/// A command that moves one axis on by a millimetre per cycle from where it is, for `cycles` cycles. It finishes as
-/// `done` one cycle later, and may yield as `early` from cycle `yields` on.
+/// A command that moves one axis by a millimetre per cycle from its present position, for `cycles` cycles. It finishes
+/// as `done` one cycle later, and may yield as `early` from cycle `yields` on.
 pub fn mover(axis: i64, cycles: u32, yields: u32) -> Net {
     let mut b = Build::new("Mover");
     let steps = mover_flow(&mut b, axis, f64::from(cycles) * 1e-3);
@@ -117,7 +117,7 @@ pub fn mover(axis: i64, cycles: u32, yields: u32) -> Net {
     b.net
 }
 
-/// A command that puts one axis half a metre from where it is, in one step.
+/// A command that moves one axis by half a metre in one step.
 pub fn leaper(axis: i64) -> Net {
     let mut b = Build::new("Leaper");
     let params = [
@@ -136,7 +136,8 @@ pub fn leaper(axis: i64) -> Net {
     b.net
 }
 
-/// Sets an axis to its place plus the least of the cycles in mm and `most`; gives the number of the cycle from 1.
+/// Sets an axis to its start position plus the smaller of the cycle number in mm and `most`. Returns the cycle number,
+/// from 1.
 pub fn mover_flow(b: &mut Build, axis: i64, most: f64) -> PortRef {
     let params = [
         ("Robot", Value::Str("arm".into())),
@@ -184,7 +185,7 @@ pub fn load(net: &Net, bank: &mut Axes) -> Box<Command> {
     load_for(MS, net, bank)
 }
 
-/// A command of this period.
+/// Loads a net as a command with this period.
 pub fn load_for(period_ns: u64, net: &Net, bank: &mut Axes) -> Box<Command> {
     let image = twin::image(net, &LowerOptions::running(period_ns)).expect("it can be lowered");
     Box::new(
@@ -194,7 +195,7 @@ pub fn load_for(period_ns: u64, net: &Net, bank: &mut Axes) -> Box<Command> {
     )
 }
 
-/// A core of four places with these commands in it.
+/// A core with capacity for four commands that holds these commands.
 pub fn core(nets: &[Net], bank: &mut Axes) -> (Core, Vec<CommandId>) {
     let mut core = Core::with_capacity(4, MS);
     let ids = nets
@@ -204,7 +205,7 @@ pub fn core(nets: &[Net], bank: &mut Axes) -> (Core, Vec<CommandId>) {
     (core, ids)
 }
 
-/// Runs some ticks with every allocation forbidden.
+/// Runs ticks with allocations forbidden.
 pub fn ticks(core: &mut Core, bank: &mut Axes, count: u64) {
     rpi_testkit::no_alloc(|| {
         for _ in 0..count {
@@ -214,7 +215,7 @@ pub fn ticks(core: &mut Core, bank: &mut Axes, count: u64) {
     });
 }
 
-/// Schedules a command on another one.
+/// Schedules a command after another one.
 pub fn follow(
     core: &mut Core,
     next: CommandId,

@@ -1,4 +1,4 @@
-//! Primitives with code of their own.
+//! Lowering of nodes whose primitives have code of their own.
 
 use super::links::{Flow, Link};
 use super::{Builder, Flows, Links};
@@ -11,7 +11,7 @@ use rpi_net::passes::Sureness;
 use rpi_net::{NodeId, PortRef};
 use smallvec::SmallVec;
 
-/// From this much work on, a strict primitive is skipped rather than run on stale values.
+/// Strict primitives with at least this much work are skipped instead of run on stale values.
 const DEAR: u32 = 32;
 
 impl Builder<'_> {
@@ -33,7 +33,8 @@ impl Builder<'_> {
             .collect()
     }
 
-    /// The scope in which a strict primitive runs, and the presence of what it gives; none if it never runs.
+    /// The scope in which a strict primitive runs and the presence of its outputs; `None` if it never runs. Opens a new
+    /// scope for an expensive primitive (`dear`).
     pub(super) fn guarded(
         &mut self,
         id: NodeId,
@@ -53,7 +54,7 @@ impl Builder<'_> {
         }
     }
 
-    /// Closes the scope that [`Builder::guarded`] opened, if it did.
+    /// Closes the scope opened by [`Builder::guarded`], if any.
     pub(super) fn unguard(&mut self, id: NodeId, scope: ScopeId) {
         if scope != self.scope_of(id) {
             self.flat.close(scope);
@@ -101,7 +102,7 @@ impl Builder<'_> {
             .collect()
     }
 
-    /// Adds the operation; its words are what [`rpi_image::operands`] says.
+    /// Adds the operation, with words as laid out by [`rpi_image::operands`].
     fn run(&mut self, id: NodeId, form: Form, scope: ScopeId, links: &[Link], outputs: &[Flow]) {
         let node = self.net.node(id);
         let mut words: SmallVec<[u32; 12]> = SmallVec::new();
@@ -135,7 +136,7 @@ impl Builder<'_> {
         (flow, value.ty().unwrap_or(declared))
     }
 
-    /// State cells with their initial content.
+    /// A register for the state of a node, with its initial content.
     fn state(&mut self, id: NodeId) -> (Flow, Type) {
         let node = self.net.node(id);
         let args = SizeArgs {
@@ -171,7 +172,7 @@ pub(super) fn ports(id: NodeId, desc: &'static PrimDesc) -> impl Iterator<Item =
         .map(move |(port, _)| PortRef { node: id, port })
 }
 
-/// Length or shape words.
+/// Length word of an array, or the two shape words of a matrix.
 fn sizes(ty: Type) -> [u32; 2] {
     match ty {
         Type::One(_) => [0, 0],
@@ -180,7 +181,7 @@ fn sizes(ty: Type) -> [u32; 2] {
     }
 }
 
-/// Everything is there for sure, so the code need not look at presence.
+/// True if all inputs are certainly present and the primitive has a form without presences.
 fn total(id: NodeId, builder: &Builder<'_>, links: &[Link]) -> bool {
     let there = links.iter().all(|l| l.flow.present == Slot::TRUE);
     there && builder.net.node(id).prim.prim().total.is_some()

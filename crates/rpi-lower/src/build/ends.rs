@@ -1,11 +1,11 @@
-//! How the command ends, what it publishes, and what can be looked at.
+//! Results, exports and probes.
 
 use super::Builder;
 use rpi_image::image::{End, EndKind, EndResult, Export, Signal};
 use rpi_net::{Driver, FragmentId, Input, PortRef, ResultKind};
 
 impl Builder<'_> {
-    /// Results, root ports and exports, as they are at the end of the cycle.
+    /// Adds results, root ports and exports, as they are at the end of the cycle.
     pub(super) fn ends(&mut self) {
         let net = self.net;
         for export in &net.exports {
@@ -35,7 +35,7 @@ impl Builder<'_> {
         self.signal(link.flow, link.ty)
     }
 
-    /// Every port of every node.
+    /// Adds a probe for every port of every node.
     pub(super) fn probes(&mut self) {
         for id in self.net.node_ids() {
             for port in super::compute::ports(id, self.desc(id)) {

@@ -1,4 +1,4 @@
-//! Fragments: scopes that are skipped as a whole, and what starts them afresh.
+//! Lowering of fragments: scopes that are skipped as a whole, and their restarts.
 
 use super::Builder;
 use crate::flat::{ScopeId, index};
@@ -7,7 +7,7 @@ use rpi_image::image::{self, Cells};
 use rpi_net::{Absent, Activation, FragmentId, PortRef, Restart};
 
 impl Builder<'_> {
-    /// One entry per fragment of the net; what tells of its activity is filled in when it is built.
+    /// Adds one table entry per fragment of the net. The activation is filled in when the fragment is built.
     pub(super) fn fragments_table(&mut self) {
         for id in self.net.fragment_ids() {
             let fragment = self.net.fragment(id);
@@ -40,6 +40,7 @@ impl Builder<'_> {
         }
         let scope = self.flat.open(self.scope[parent.index()], active);
         self.scope[id.index()] = scope;
+        // The schedule may enter a fragment several times in a cycle; only the first entry may reset it.
         if !is_again {
             self.restart(id, parent, scope);
         }
@@ -47,7 +48,7 @@ impl Builder<'_> {
         self.flat.close(scope);
     }
 
-    /// The Boolean that activates a fragment, computed where its parent is.
+    /// The Boolean that activates a fragment, computed in the scope of its parent.
     fn activity(&mut self, id: FragmentId, parent: FragmentId) -> Slot {
         let net = self.net;
         let Activation::When { condition, absent } = net.fragment(id).activation else {
@@ -75,8 +76,8 @@ impl Builder<'_> {
         self.flat.scopes[scope.index()].reset = Some((unless, index(id.index())));
     }
 
-    /// True if the fragment was active when its parent last was: part of the parent's state, so that a pause of the
-    /// parent is no end of the child's activity.
+    /// True if the fragment was active when its parent last was. It is part of the parent's state, so that a pause of
+    /// the parent does not end the activation of the child.
     fn was_active(&mut self, id: FragmentId, parent: FragmentId) -> Slot {
         let was = self.flat.slots.add(Region::State(parent), 1);
         let active = self.active[id.index()];
@@ -85,7 +86,7 @@ impl Builder<'_> {
         was
     }
 
-    /// True unless the restart condition holds; absent means that it does not.
+    /// Negated restart condition; an absent condition counts as false.
     fn not_asked(&mut self, condition: PortRef, parent: FragmentId, scope: ScopeId) -> Slot {
         let flow = self.view(condition, parent).flow;
         let outer = self.flat.scopes[scope.index()]
@@ -97,7 +98,7 @@ impl Builder<'_> {
         self.logic.not(&mut self.flat, outer, asked)
     }
 
-    /// What the delays keep for the next cycle.
+    /// Adds the latches of all delays.
     pub(super) fn latches(&mut self) {
         for (id, kept) in std::mem::take(&mut self.delays) {
             let link = self.link(id, 0);

@@ -1,4 +1,4 @@
-//! What an in-port reads: a value and a presence, as seen from where the reader stands.
+//! Inputs of nodes: value and presence of a flow as seen from the fragment of the reader.
 
 use super::Builder;
 use crate::slots::Slot;
@@ -6,7 +6,7 @@ use rpi_image::{PortType, Scalar, Type, Value};
 use rpi_net::passes::Sureness;
 use rpi_net::{FragmentId, Input, NodeId, PortRef};
 
-/// A flow in slots.
+/// Value and presence of a flow.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct Flow {
     pub(super) value: Slot,
@@ -14,7 +14,7 @@ pub(super) struct Flow {
 }
 
 impl Flow {
-    /// A flow of which nothing is known yet.
+    /// Placeholder for a flow that is not built yet.
     pub(super) const NONE: Flow = Flow {
         value: Slot::FALSE,
         present: Slot::FALSE,
@@ -26,12 +26,12 @@ impl Flow {
 pub(super) struct Link {
     pub(super) flow: Flow,
     pub(super) ty: Type,
-    /// Nothing is connected, and nothing stands in.
+    /// The input is neither connected nor has a default.
     pub(super) open: bool,
 }
 
 impl Builder<'_> {
-    /// What the in-port `k` of a node reads.
+    /// The flow at in-port `k` of a node.
     pub(super) fn link(&mut self, id: NodeId, k: usize) -> Link {
         let net = self.net;
         let node = net.node(id);
@@ -42,7 +42,7 @@ impl Builder<'_> {
         }
     }
 
-    /// What a reader in `reader` sees of an input that is connected.
+    /// The flow of an input as seen from the fragment `reader`.
     pub(super) fn read(&mut self, input: &Input, reader: FragmentId) -> Link {
         match input {
             Input::Open => self.never(Type::One(Scalar::Bool), true),
@@ -62,7 +62,7 @@ impl Builder<'_> {
         }
     }
 
-    /// A flow as a reader in `reader` sees it.
+    /// The flow of an out-port as seen from the fragment `reader`.
     pub(super) fn view(&mut self, port: PortRef, reader: FragmentId) -> Link {
         let ty = self.net.node(port.node).outputs[usize::from(port.port)];
         if self.plan.presences.own(port) == Sureness::Never {
@@ -75,7 +75,7 @@ impl Builder<'_> {
         let own = self.flows[self.first[port.node.index()] as usize + usize::from(port.port)];
         let origin = self.net.node(port.node).fragment;
         let scope = self.scope[self.plan.tree.common(reader, origin).index()];
-        // Outermost first: the same chains get the same slots.
+        // From the outermost fragment inwards, so that equal prefixes share registers.
         let through = view.through.iter().rev();
         let active = through.fold(Slot::TRUE, |all, f| {
             self.logic
@@ -103,7 +103,7 @@ impl Builder<'_> {
     }
 }
 
-/// The type of a port to which nothing is connected; arrays are empty.
+/// Type of an open port; arrays are empty.
 fn neutral_type(port: PortType) -> Type {
     match port {
         PortType::One(s) => Type::One(s),

@@ -1,8 +1,9 @@
-//! Takes a net apart into operations: what runs, under which guard, with which presence.
+//! Translation of a net into operations with guards and presences.
 //!
-//! The rules (M4, M5, M6): a fragment is a scope that is skipped as a whole. Presence is data, a Boolean slot per flow
-//! that may be absent. A strict primitive on inputs that may be absent runs on whatever lies in their cells, and only its
-//! presence tells; where that would be wrong or dear (state, faults, much work) it gets a scope of its own.
+//! The rules (M4, M5, M6): A fragment is a scope that is skipped as a whole. Presence is data: one Boolean register per
+//! flow that may be absent. A strict primitive whose inputs may be absent runs on stale values, and only the presence
+//! of its output is false. If that would be wrong or expensive (state, faults, much work), the primitive gets a scope
+//! of its own.
 
 mod compute;
 mod ends;
@@ -27,7 +28,7 @@ use smallvec::SmallVec;
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
-/// Takes a net apart.
+/// Translates a net into the flat representation.
 pub(crate) fn build(net: &Net, plan: &Plan<'_>, options: &LowerOptions<'_>) -> Flat {
     let mut builder = Builder::new(net, plan, options);
     builder.fragments_table();
@@ -40,9 +41,9 @@ pub(crate) fn build(net: &Net, plan: &Plan<'_>, options: &LowerOptions<'_>) -> F
     builder.flat
 }
 
-/// What the in-ports of one node read.
+/// Flows at the in-ports of one node.
 type Links = SmallVec<[Link; 4]>;
-/// What the out-ports of one node give.
+/// Flows at the out-ports of one node.
 type Flows = SmallVec<[Flow; 2]>;
 
 struct Builder<'a> {
@@ -51,19 +52,19 @@ struct Builder<'a> {
     options: &'a LowerOptions<'a>,
     flat: Flat,
     logic: Logic,
-    /// For each node where its out-ports start in `flows`.
+    /// For each node, the index of its first out-port in `flows`.
     first: Vec<u32>,
-    /// Every out-port, once it is known.
+    /// The flow of every out-port; [`Flow::NONE`] until it is built.
     flows: Vec<Flow>,
     /// The scope of each fragment.
     scope: Vec<ScopeId>,
-    /// What tells that a fragment is active, given that its parent is.
+    /// For each fragment, whether it is active, given that its parent is.
     active: Vec<Slot>,
-    /// How often each fragment has been entered.
+    /// Number of entries into each fragment so far.
     times: Vec<u32>,
-    /// The `first` flow of each fragment that asks for it.
+    /// The flow `first` of each fragment that uses it.
     firsts: BTreeMap<FragmentId, Slot>,
-    /// Delays, with the slots in which they keep value and presence.
+    /// Delays, with the registers that keep value and presence.
     delays: Vec<(NodeId, Flow)>,
     fields: FxHashMap<(PrimId, Form), Rc<[Field]>>,
 }
@@ -93,7 +94,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// What runs in a fragment when it is entered, in schedule order.
+    /// Builds the items of a fragment that run at its next entry, in schedule order.
     fn items(&mut self, fragment: FragmentId) {
         let plan = self.plan;
         let time = self.times[fragment.index()];
@@ -126,7 +127,7 @@ impl<'a> Builder<'a> {
         self.net.node(id).desc()
     }
 
-    /// The scope in which a node stands.
+    /// The scope of a node.
     fn scope_of(&self, id: NodeId) -> ScopeId {
         self.scope[self.net.node(id).fragment.index()]
     }
@@ -137,12 +138,12 @@ impl<'a> Builder<'a> {
         Rc::clone(made)
     }
 
-    /// Copies a value whenever `scope` is active; a step of its own.
+    /// Adds a copy of a value that runs whenever `scope` is active.
     fn copy(&mut self, scope: ScopeId, from: Slot, to: Slot, node: u32) {
         self.flat.push(scope, Work::Copy, &[from.0, to.0], node);
     }
 
-    /// New slots for an out-port that some operation fills.
+    /// New registers for an out-port.
     fn output(&mut self, port: PortRef, present: Slot) -> Flow {
         let ty = self.net.node(port.node).outputs[usize::from(port.port)];
         let value = self.flat.slots.add(Region::Value, ty.cells());
@@ -156,7 +157,7 @@ impl<'a> Builder<'a> {
         self.flows[at] = flow;
     }
 
-    /// A presence cell of its own for a port on which absence may be forced, set to `present` before the node runs.
+    /// A separate presence register for a port that may be forced to be absent, set to `present` before the node runs.
     fn forcible(&mut self, scope: ScopeId, port: PortRef, present: Slot) -> Slot {
         if !(self.options.may_be_absent)(port) {
             return present;

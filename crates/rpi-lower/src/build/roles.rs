@@ -1,4 +1,4 @@
-//! Primitives that the core handles by their role.
+//! Lowering of primitives that the core handles by their role.
 
 use super::Builder;
 use super::compute::ports;
@@ -26,7 +26,8 @@ impl Builder<'_> {
         }
     }
 
-    /// A delay gives what it has kept; a step of its own, so that the kept value can change before the cycle is over.
+    /// Lowers a delay: copies the kept value to the output. The separate copy allows the kept value to be overwritten
+    /// before the end of the cycle.
     pub(super) fn delay(&mut self, id: NodeId) {
         let port = PortRef { node: id, port: 0 };
         let node = self.net.node(id);
@@ -82,7 +83,7 @@ impl Builder<'_> {
         self.own_value(id, kept);
     }
 
-    /// Gives a node's out-port a slot of its own with this value, so that it can be looked at and forced.
+    /// Copies a value to a new register for the node's out-port, so that it can be observed and forced.
     fn own_value(&mut self, id: NodeId, value: Slot) {
         let scope = self.scope_of(id);
         let port = PortRef { node: id, port: 0 };
@@ -122,7 +123,7 @@ impl Builder<'_> {
         }
     }
 
-    /// What an input gives before it is set.
+    /// Value of an input before it is set; `None` if it is zero.
     fn start_value(&self, id: NodeId) -> Option<Vec<u64>> {
         let node = self.net.node(id);
         let value = node.params.get(node.desc().param("Value")?)?;
@@ -194,7 +195,7 @@ impl Builder<'_> {
         self.present_if(id, &outputs, found);
     }
 
-    /// Makes out-ports depend on one more Boolean.
+    /// Makes the presence of out-ports also depend on `also`.
     fn present_if(&mut self, id: NodeId, outputs: &[Flow], also: Slot) {
         let scope = self.scope_of(id);
         for (port, flow) in ports(id, self.desc(id)).zip(outputs) {
@@ -209,7 +210,7 @@ impl Builder<'_> {
         }
     }
 
-    /// External cells for an out-port; a presence cell where it may be absent.
+    /// External registers for an out-port, with a presence if it may be absent.
     fn external(&mut self, port: PortRef) -> Flow {
         let value = self.flat.slots.add(Region::External, self.ty(port).cells());
         let present = match self.plan.presences.own(port) {
@@ -233,7 +234,7 @@ impl Builder<'_> {
         }
     }
 
-    /// The key of an input or export: its text parameters.
+    /// Key of an input or export: its string parameters, joined by `/`.
     fn key(&self, id: NodeId) -> String {
         let texts = self.net.node(id).params.iter().filter_map(Value::as_str);
         texts.collect::<Vec<_>>().join("/")
@@ -255,7 +256,7 @@ impl Builder<'_> {
                 DevicePorts::Fixed(names) => names.get(k).copied().unwrap_or("").to_owned(),
                 DevicePorts::Param(name) => text(name),
             },
-            // An index that is no index is one that no device has.
+            // An invalid index becomes one that no device has, so that loading reports it.
             index: index.map_or(0, |i| u32::try_from(i).unwrap_or(u32::MAX)),
             ty,
         }
@@ -267,7 +268,7 @@ impl Builder<'_> {
     }
 }
 
-/// Connected inputs, then outputs.
+/// Words of connected inputs, then of outputs.
 fn words(links: &[Link], outputs: &[Flow]) -> Vec<u32> {
     let inputs = links.iter().filter(|l| !l.open).map(|l| l.flow);
     inputs
@@ -280,7 +281,7 @@ fn connected_types(links: &[Link]) -> impl Iterator<Item = Type> {
     links.iter().filter(|l| !l.open).map(|l| l.ty)
 }
 
-/// Several ports make one value, cell by cell.
+/// Type of the concatenation of several ports.
 fn one_type(types: impl Iterator<Item = Type>) -> Type {
     let types: Vec<Type> = types.collect();
     match types[..] {

@@ -1,24 +1,24 @@
-//! How primitives are written in C: one row each.
+//! Table of the C code of primitives, one row each.
 //!
-//! In a row, `a`, `b`, `c`, ... in braces stand for the inputs and then the parameters, `{a?}` for the presence of an
-//! input, `{s}` for the state, `{dt}` for the period, `{tick}` for the tick in nanoseconds. A form for values of several cells is written once and holds cell
-//! by cell; single cells are named by a number, `{a2}`.
+//! In a row, `a`, `b`, `c`, ... in braces are the inputs, followed by the parameters; `{a?}` is the presence of an
+//! input, `{s}` the state, `{dt}` the period, and `{tick}` the tick in nanoseconds. A form for values of several memory
+//! slots is written once and applied to each slot. A number selects a single slot: `{a2}`.
 
 use rpi_image::image::Form;
 
-/// The C form of a primitive.
+/// The C code of a primitive.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CForm {
-    /// Registered name; a leading `*` stands for any type (`*Conditional`).
+    /// Registered name. A leading `*` matches any type (`*Conditional`).
     name: &'static str,
     form: Form,
-    /// C types of the state's cells.
+    /// C types of the state's slots.
     pub(super) state: &'static [&'static str],
-    /// Statements before the outputs are set.
+    /// Statements before the assignments to the outputs.
     pub(super) before: &'static str,
-    /// One expression for every output cell, or one that holds for all of them.
+    /// One expression for each output slot, or a single one for all of them.
     pub(super) cells: &'static [&'static str],
-    /// The presence of the output, in the optional form.
+    /// Presence of the output, for the optional form.
     pub(super) present: &'static str,
 }
 
@@ -167,7 +167,7 @@ static FORMS: &[CForm] = &[
     ),
 ];
 
-/// The C form of a primitive, if there is one.
+/// The C code of a primitive; `None` if it has no C form.
 pub(super) fn form(name: &str, form: Form) -> Option<&'static CForm> {
     let fits = |row: &&CForm| {
         row.form == form
@@ -180,13 +180,13 @@ pub(super) fn form(name: &str, form: Form) -> Option<&'static CForm> {
 }
 
 impl CForm {
-    /// The expression of an output cell, counted over all outputs.
+    /// Expression of an output slot, counted over all outputs.
     pub(super) fn cell(&self, k: usize) -> &'static str {
         self.cells.get(k).copied().unwrap_or(self.cells[0])
     }
 }
 
-/// What the expressions use: integers whose overflow is a fault.
+/// Helper functions of the generated file: integer arithmetic whose overflow sets `fault`.
 pub(super) const PRELUDE: &str = "\
 static int64_t add_int(int64_t a, int64_t b, bool *fault) {
   bool over = (b > 0 && a > INT64_MAX - b) || (b < 0 && a < INT64_MIN - b);

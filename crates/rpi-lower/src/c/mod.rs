@@ -1,9 +1,9 @@
-//! `--emit c`: a net as readable C99, one function `step` per cycle.
+//! `--emit c`: a net as readable C99, with one function `step` per cycle.
 //!
-//! The file holds the inputs, outputs and state of the command as structs and needs `<math.h>` only. It computes the
-//! same bits as the image where the C compiler keeps IEEE 754 arithmetic (`-ffp-contract=off`), apart from `sin` and its
-//! like, which differ between C libraries in the last place. Devices are the caller's: sensors are inputs, set-points
-//! outputs.
+//! The file declares the inputs, outputs and state of the command as structs and needs only `<math.h>`. It computes the
+//! same bits as the image if the C compiler keeps IEEE 754 arithmetic (`-ffp-contract=off`), except for functions such
+//! as `sin` that differ between C libraries in the last place. The caller handles the devices: sensors are inputs,
+//! set-points outputs.
 
 mod forms;
 mod names;
@@ -16,16 +16,16 @@ use crate::{build, passes};
 use rpi_diag::{Code, Finding};
 use rpi_net::Net;
 
-/// Writes a net as C99.
+/// Translates a net to C99.
 ///
 /// # Errors
-/// One finding per kind of primitive that has no form in C.
+/// Returns one diagnostic for each primitive without a C form.
 pub fn emit_c(
     net: &Net,
     plan: &Plan<'_>,
     options: &LowerOptions<'_>,
 ) -> Result<String, Vec<Finding>> {
-    // Names come from the ports, so these must be told.
+    // Variable names are derived from ports, so all ports must be observable.
     let named = LowerOptions {
         observe: Observe::All,
         ..*options

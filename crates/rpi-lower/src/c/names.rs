@@ -1,17 +1,17 @@
-//! Names of slots in C: the author's where there is one.
+//! C names of registers, taken from the source where possible.
 
 use crate::flat::Flat;
 use crate::slots::{Region, Slot};
 use rpi_net::{Net, NodeId};
 use std::collections::{HashMap, HashSet};
 
-/// Names of slots.
+/// C names of registers.
 pub(super) struct Names {
     names: HashMap<Slot, String>,
 }
 
 impl Names {
-    /// Names from the ports of nodes; two equal ones are told apart by numbers.
+    /// Names derived from the ports of nodes. Equal names are numbered.
     pub(super) fn new(net: &Net, flat: &Flat) -> Self {
         let mut taken = HashSet::new();
         let mut names = HashMap::new();
@@ -35,7 +35,7 @@ impl Names {
         Names { names }
     }
 
-    /// The variable of one cell.
+    /// The variable of memory slot `k` of a register.
     pub(super) fn cell(&self, flat: &Flat, slot: Slot, k: u32) -> String {
         let name = match self.names.get(&slot) {
             Some(name) => name.clone(),
@@ -53,7 +53,8 @@ impl Names {
     }
 }
 
-/// Letters, digits and underscores; never a word of C, because it ends in an underscore if it could be one.
+/// Converts a name to letters, digits and underscores. The result is never a C keyword, because it contains an
+/// underscore or ends in a digit.
 pub(super) fn identifier(text: &str) -> String {
     let plain = text
         .chars()

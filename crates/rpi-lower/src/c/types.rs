@@ -1,4 +1,4 @@
-//! The C type of the cells of every slot.
+//! Inference of the C types of registers.
 
 use crate::flat::{Flat, Work};
 use crate::passes::order::ops;
@@ -7,7 +7,7 @@ use rpi_image::image::Signal;
 use rpi_image::operands::{Part, fields};
 use rpi_image::{ParamType, PortType, PrimDesc, Scalar, Type};
 
-/// The C type of one cell of a value.
+/// C type of one memory slot of a value.
 pub(super) const fn c_type(scalar: Scalar) -> &'static str {
     match scalar {
         Scalar::Bool => "bool",
@@ -16,7 +16,7 @@ pub(super) const fn c_type(scalar: Scalar) -> &'static str {
     }
 }
 
-/// The scalar of a type; the elements' for arrays.
+/// Scalar of a type; the element type for arrays.
 pub(super) const fn scalar(ty: Type) -> Scalar {
     match ty {
         Type::One(s) | Type::Array(s, _) => s,
@@ -24,7 +24,7 @@ pub(super) const fn scalar(ty: Type) -> Scalar {
     }
 }
 
-/// What each slot holds. Slots of one cell of which nothing is known are presences.
+/// The scalar type of each register. Registers of unknown type are presences, which are Boolean.
 pub(super) fn types(flat: &Flat) -> Vec<Scalar> {
     let mut types = vec![Scalar::Bool; flat.slots.len()];
     let mut set = |s: Signal| types[s.at as usize] = scalar(s.ty);
@@ -36,7 +36,7 @@ pub(super) fn types(flat: &Flat) -> Vec<Scalar> {
     });
     flat.tables.probes.iter().for_each(|p| set(p.2));
     let order = ops(flat);
-    // What a delay keeps is known from what it gives or is given: twice around is enough.
+    // The type of a delay's state follows from its output or its input, so two passes suffice.
     for _ in 0..2 {
         for (number, _) in &order {
             operation(flat, *number, &mut types);
@@ -83,7 +83,7 @@ const fn port(ty: PortType) -> Scalar {
     }
 }
 
-/// What an input or a parameter expects, to write a constant.
+/// Type that an operand must have, for writing constants.
 pub(super) const fn expected(desc: &PrimDesc, part: Part) -> Scalar {
     match part {
         Part::Input(k) => port(desc.inputs[k].ty),

@@ -1,4 +1,4 @@
-//! The C file: structs, `reset`, `step`.
+//! Writer of the C file: structs, `reset`, `step`.
 
 use super::forms::{self, CForm, PRELUDE};
 use super::names::{Names, identifier};
@@ -16,7 +16,7 @@ use rpi_prims::PrimId;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-/// Kinds of operations that have no form in C, each with the first place of its use.
+/// Operations without a C form, each with the first place of its use.
 pub(super) fn unsupported(net: &Net, flat: &Flat) -> Vec<(&'static str, Span)> {
     let mut missing = BTreeMap::new();
     for (number, _) in ops(flat) {
@@ -39,7 +39,7 @@ pub(super) fn unsupported(net: &Net, flat: &Flat) -> Vec<(&'static str, Span)> {
     missing.into_iter().collect()
 }
 
-/// Writes the file.
+/// Writes the C file.
 pub(super) fn write(net: &Net, flat: &Flat, options: &LowerOptions<'_>) -> String {
     let mut writer = Writer {
         net,
@@ -132,7 +132,7 @@ impl Writer<'_> {
         Ok(())
     }
 
-    /// What is filled from outside.
+    /// Signals that are set from outside: sensors, inputs, flows of the core.
     fn external(&self) -> Vec<Signal> {
         let t = &self.flat.tables;
         let inputs = t
@@ -146,7 +146,8 @@ impl Writer<'_> {
             .collect()
     }
 
-    /// Names, C types and cells of what is published: exports and set-points, each with its presence.
+    /// Outputs: exports and set-points, each preceded by its presence. Each entry has a name, a C type and a number of
+    /// slots.
     fn published(&self) -> Vec<(String, &'static str, u32)> {
         let mut all = Vec::new();
         for export in &self.flat.tables.exports {
@@ -170,7 +171,7 @@ impl Writer<'_> {
         all
     }
 
-    /// State slots of delays, in order.
+    /// State registers of delays, in order.
     fn kept(&self) -> Vec<Slot> {
         let latched = self
             .flat
@@ -197,7 +198,7 @@ impl Writer<'_> {
         Ok(())
     }
 
-    /// Variables that are set inside of an `if`.
+    /// Declares the variables that are assigned inside an `if`.
     fn guarded_variables(&self, out: &mut String) -> std::fmt::Result {
         for (number, scope) in ops(self.flat) {
             if scope == ScopeId::ROOT {
@@ -241,7 +242,7 @@ impl Writer<'_> {
         writeln!(out, "  out->ends = {};", asks.join(" || "))
     }
 
-    /// The statements of a scope.
+    /// Writes the statements of a scope.
     fn body(&mut self, id: ScopeId, depth: usize) {
         let flat = self.flat;
         let scope = &flat.scopes[id.index()];
@@ -273,7 +274,7 @@ impl Writer<'_> {
         depth + 1
     }
 
-    /// Initial state for what is kept in a fragment and below.
+    /// Writes the initial state of a fragment and of the fragments inside it.
     fn restart(&mut self, fragment: u32, depth: usize) {
         let inside = |mut f: u32| loop {
             if f == fragment {
@@ -404,7 +405,7 @@ impl Writer<'_> {
         operands
     }
 
-    /// Replaces what stands in braces.
+    /// Substitutes the placeholders in braces.
     fn fill(&self, form: &str, operands: &Operands, k: u32) -> String {
         let mut out = String::new();
         let mut rest = form;
@@ -443,7 +444,7 @@ impl Writer<'_> {
         self.cell(slot, 0, Scalar::Bool)
     }
 
-    /// A cell of a slot, or the constant in it.
+    /// The expression for slot `k` of a register: a variable or a constant.
     fn cell(&self, slot: Slot, k: u32, ty: Scalar) -> String {
         if self.flat.slots.region(slot) != Region::Constant {
             return self.names.cell(self.flat, slot, k);
@@ -453,7 +454,7 @@ impl Writer<'_> {
         literal(content.get(k as usize).copied().unwrap_or(0), ty)
     }
 
-    /// What delays keep, after everything was computed.
+    /// Writes the assignments to the state of delays, after everything else was computed.
     fn latches(&mut self, id: ScopeId, depth: usize) {
         let flat = self.flat;
         let scope = &flat.scopes[id.index()];
@@ -480,7 +481,7 @@ impl Writer<'_> {
     }
 }
 
-/// The slots of one operation.
+/// Operands of one operation.
 struct Operands {
     /// Inputs, then parameters.
     inputs: Vec<(Slot, Scalar, Option<Slot>)>,
@@ -513,6 +514,7 @@ fn real(v: f64) -> String {
         return if v > 0.0 { "INFINITY" } else { "-INFINITY" }.to_owned();
     }
     let text = format!("{v:?}");
+    // Without parentheses, `-{a}` with a negative constant would become the C operator `--`.
     if v.is_sign_negative() {
         format!("({text})")
     } else {

@@ -1,15 +1,15 @@
-//! Which slot gets which cells: constants, external cells, state by fragments, values.
+//! Memory layout: constants, external values, state by fragment, values.
 
 use crate::flat::Flat;
 use crate::slots::{Region, Slot, Slots};
 use rpi_image::image::{Cells, Layout};
 use rpi_net::{FragmentId, Net};
 
-/// Cells of all slots.
+/// Memory slots of all registers.
 pub(super) struct Layouts {
     at: Vec<u32>,
     pub(super) layout: Layout,
-    /// For each fragment the state of it and of all below it.
+    /// For each fragment, the state of itself and of all fragments inside it.
     pub(super) states: Vec<Cells>,
 }
 
@@ -49,12 +49,12 @@ impl Layouts {
         layouts
     }
 
-    /// First cell of a slot.
+    /// First memory slot of a register.
     pub(super) fn cell(&self, slot: Slot) -> u32 {
         self.at[slot.index()]
     }
 
-    /// Initial contents, ascending.
+    /// Initial contents, in ascending order of slots.
     pub(super) fn init(&self, flat: &Flat) -> Vec<(u32, u64)> {
         let cells = flat
             .slots
@@ -66,7 +66,7 @@ impl Layouts {
     }
 }
 
-/// All slots: constants, external ones, state by fragments, values.
+/// All registers in memory order: constants, external values, state by fragment, values.
 fn order(slots: &Slots, ranks: &[(u32, u32)]) -> Vec<Slot> {
     let all = (0..).take(slots.len()).map(Slot);
     let of = |region: Region| all.clone().filter(move |s| slots.region(*s) == region);
@@ -83,8 +83,7 @@ fn order(slots: &Slots, ranks: &[(u32, u32)]) -> Vec<Slot> {
     order
 }
 
-/// For each fragment its place in a walk that visits parents before children and no stranger in between, and the place
-/// after its last descendant.
+/// For each fragment, its position in a depth-first traversal and the position after its last descendant.
 fn ranks(net: &Net) -> Vec<(u32, u32)> {
     let mut size = vec![1u32; net.fragments.len()];
     for id in net.fragment_ids().rev() {
@@ -109,7 +108,7 @@ fn ranks(net: &Net) -> Vec<(u32, u32)> {
     ranks
 }
 
-/// A fragment's own state and that of all below it: one run of cells, because of the order of ranks.
+/// State of each fragment including all fragments inside it. The depth-first order makes it contiguous.
 fn with_children(net: &Net, own: Vec<Cells>) -> Vec<Cells> {
     let mut all = own;
     for k in (1..all.len()).rev() {
@@ -121,7 +120,7 @@ fn with_children(net: &Net, own: Vec<Cells>) -> Vec<Cells> {
     all
 }
 
-/// The least run of cells that holds both.
+/// Extends a range to the smallest one that contains both.
 fn join(all: &mut Cells, more: Cells) {
     if all.len == 0 {
         *all = more;

@@ -1,4 +1,4 @@
-//! Steps and operand words.
+//! Emission of steps and operand words.
 
 use super::cells::Layouts;
 use crate::access::Access;
@@ -11,7 +11,7 @@ use rpi_image::image::{Actuator, Cells, Form, Function, PrimUse, Step, TRUE};
 use rpi_prims::PrimId;
 use rustc_hash::FxHashMap;
 
-/// Writes both step lists.
+/// Writes the evaluation steps and the commit steps.
 pub(super) fn write(flat: &Flat, layouts: &Layouts, options: &LowerOptions<'_>, image: &mut Image) {
     image.code.reserve(flat.words.len());
     let mut writer = Writer {
@@ -29,9 +29,9 @@ pub(super) fn write(flat: &Flat, layouts: &Layouts, options: &LowerOptions<'_>, 
 struct Writer<'a> {
     flat: &'a Flat,
     layouts: &'a Layouts,
-    /// Equal neighbours become one row.
+    /// Merge consecutive calls of the same primitive into one step.
     rows: bool,
-    /// The first step behind the last jump or landing.
+    /// Index of the first step after the last jump or jump target.
     border: usize,
     image: &'a mut Image,
     prims: FxHashMap<PrimId, u16>,
@@ -55,7 +55,7 @@ impl Writer<'_> {
         self.land(skip);
     }
 
-    /// Lets an open skip jump behind what was written since; if that is nothing, there is no skip.
+    /// Sets the target of an open skip to the current end. Removes the skip if nothing follows it.
     fn land(&mut self, skip: Option<usize>) {
         let steps = &mut self.image.steps;
         if skip.is_some_and(|at| at + 1 == steps.len()) {
@@ -67,7 +67,7 @@ impl Writer<'_> {
         self.border = self.image.steps.len();
     }
 
-    /// Opens a skip; gives its place, unless it is none.
+    /// Opens a skip and returns its index; `None` for a guard that is always true.
     fn skip(&mut self, guard: Slot, steps: impl Fn(&mut Image) -> &mut Vec<Step>) -> Option<usize> {
         if guard == Slot::TRUE {
             return None;
@@ -108,7 +108,7 @@ impl Writer<'_> {
             Work::Actuate(number, inputs) => self.actuate(number, inputs, self.flat.words(op)),
             Work::Call(number, inputs) => self.call(number, inputs, self.flat.words(op)),
         };
-        // A row does not reach over the end of a skip.
+        // A row must not extend across the end of a skip.
         let last = self.image.steps.get_mut(self.border..);
         if !(self.rows && joined(last.and_then(<[Step]>::last_mut), step)) {
             self.step(step, op.node);
@@ -151,7 +151,7 @@ impl Writer<'_> {
         Cells { at, len }
     }
 
-    /// Operand words with cells in place of slots.
+    /// Emits operand words with registers replaced by memory slots.
     fn words(&mut self, prim: PrimId, form: Form, words: &[u32]) {
         let shape = self.flat.shapes.get(prim, form);
         let cell = |(word, access): (&u32, &Access)| match access {
@@ -181,7 +181,7 @@ impl Writer<'_> {
         })
     }
 
-    /// The latches of a scope and of the scopes in it; true if there were any.
+    /// Emits the latches of a scope and of the scopes inside it. Returns true if there were any.
     fn commit(&mut self, id: ScopeId) -> bool {
         let flat = self.flat;
         let scope = &flat.scopes[id.index()];
@@ -211,7 +211,7 @@ impl Writer<'_> {
     }
 }
 
-/// Lets an open skip jump behind what was written since.
+/// Sets the target of an open skip to the current end.
 fn land(steps: &mut [Step], skip: Option<usize>) {
     let end = index(steps.len());
     if let Some(Step::Skip { to, .. }) = skip.and_then(|at| steps.get_mut(at)) {
@@ -219,7 +219,7 @@ fn land(steps: &mut [Step], skip: Option<usize>) {
     }
 }
 
-/// Appends a step to an equal one right before it: its words follow those of the other.
+/// Merges a step into the previous one if both are of the same kind. Their words are adjacent.
 fn joined(last: Option<&mut Step>, step: Step) -> bool {
     match (last, step) {
         (

@@ -1,4 +1,4 @@
-//! Where nodes come from: places, origins of faults, probes, and which step computes which node.
+//! Debug information: source locations, origins of faults, probes, and the node of each step.
 
 use super::cells::Layouts;
 use crate::flat::{Flat, NO_NODE, Op, Work};
@@ -34,7 +34,7 @@ pub(super) fn write(
     image.places = places.places;
 }
 
-/// Places that something refers to.
+/// Locations that are referenced by the image.
 struct Places<'a> {
     net: &'a Net,
     known: FxHashMap<NodeId, u32>,
@@ -65,7 +65,7 @@ fn place(net: &Net, id: NodeId) -> Place {
     }
 }
 
-/// With everything observed, place `k` is node `k`.
+/// Emits the probes. With everything observed, location `k` belongs to node `k`.
 fn probes(net: &Net, flat: &Flat, layouts: &Layouts, image: &mut Image) {
     for &(place, port, signal) in &flat.tables.probes {
         let node = net.node(NodeId(place));
@@ -82,7 +82,7 @@ fn probes(net: &Net, flat: &Flat, layouts: &Layouts, image: &mut Image) {
     }
 }
 
-/// The first output cell of everything that may fault.
+/// Emits the node of every operation and sensor that may fault, by its first output slot.
 fn origins(flat: &Flat, layouts: &Layouts, places: &mut Places<'_>, image: &mut Image) {
     let mut found = BTreeMap::new();
     for op in flat.ops.iter().filter(|op| op.node != NO_NODE) {
@@ -98,7 +98,7 @@ fn origins(flat: &Flat, layouts: &Layouts, places: &mut Places<'_>, image: &mut 
     image.origins = found.into_iter().map(place).collect();
 }
 
-/// The slot by which a fault of an operation is known: the first that it writes, or else reads.
+/// The register that identifies a fault of an operation: the first that it writes, or else the first that it reads.
 fn fault_slot(flat: &Flat, op: Op) -> Option<Slot> {
     match op.work {
         Work::Run(prim, _) if prim.desc().may_fault => flat.writes(op).next(),

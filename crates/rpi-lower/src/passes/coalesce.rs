@@ -1,7 +1,8 @@
-//! A value is computed where the delay of it is kept, so that nothing is left to copy.
+//! Coalescing: computes a value directly in the state of its delay, so that the copy at the end of the cycle is not
+//! needed.
 //!
-//! A latch from x to s is not needed if x can be written to s right away: all that still wants the old content of s is
-//! read before, and x is computed whenever the latch would act, in the same scope.
+//! A latch from x to s can be removed if x can be written to s at once. This is safe if all readers of the old content
+//! of s run before the writer of x, and if x is computed in the scope of the latch.
 
 use super::delays::read_late;
 use super::order::Writers;
@@ -35,7 +36,7 @@ pub(super) fn coalesce(flat: &mut Flat, _: Clock) {
     renames.apply(flat);
 }
 
-/// Writers write to the new place, too.
+/// Redirects the writers of coalesced registers.
 fn writes(flat: &mut Flat, renames: &Renames) {
     for number in 0..flat.ops.len() {
         let op = flat.ops[number];
@@ -43,10 +44,10 @@ fn writes(flat: &mut Flat, renames: &Renames) {
     }
 }
 
-/// Who writes and who reads a slot, in the order in which operations run.
+/// Writer and last reader of each register, in execution order.
 struct Facts {
     writers: Writers,
-    /// For each slot the place of its last reader.
+    /// For each register, the position of its last reader.
     last_read: Vec<u32>,
     read_late: Vec<bool>,
 }
@@ -78,7 +79,7 @@ impl Facts {
     }
 }
 
-/// The operation has read all its inputs before it writes, and is not told of by the cell that it writes.
+/// True if the operation reads all inputs before it writes and its faults are not identified by its output slot.
 fn writes_at_the_end(flat: &Flat, op: Op) -> bool {
     match op.work {
         Work::Run(prim, _) => {

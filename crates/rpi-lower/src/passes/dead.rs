@@ -1,7 +1,7 @@
-//! What nobody reads is not computed.
+//! Dead code elimination.
 //!
-//! Alive is what leaves the command (exports, ends), what reaches a device, what may fault, and everything that these
-//! read, through delays and guards too.
+//! Live are exports and results, set-points, operations that may fault, and everything that these read, including
+//! through delays and guards.
 
 use super::order::Writers;
 use super::rename::drop_ops;
@@ -34,7 +34,7 @@ pub(super) fn remove(flat: &mut Flat, _: Clock) {
     empty_scopes(flat);
 }
 
-/// What must happen even if nobody reads what comes of it.
+/// True for operations that must run even if their outputs are not read.
 fn has_effect(op: Op) -> bool {
     match op.work {
         Work::Run(prim, _) => prim.desc().may_fault,
@@ -49,7 +49,7 @@ struct Life<'a> {
     scopes: Vec<bool>,
     waiting: Vec<Slot>,
     writers: &'a Writers,
-    /// For each slot that is latched the scope that does, and from where.
+    /// For each latched register, the source of the latch and its scope.
     latch: FxHashMap<Slot, (Slot, ScopeId)>,
 }
 
@@ -88,7 +88,7 @@ impl<'a> Life<'a> {
         self.scope(flat, scope);
     }
 
-    /// What decides about a scope and those around it.
+    /// Marks the guards and reset conditions of a scope and of the scopes around it as live.
     fn scope(&mut self, flat: &Flat, scope: ScopeId) {
         let mut at = Some(scope);
         while let Some(s) = at.filter(|s| !self.scopes[s.index()]) {
@@ -123,7 +123,7 @@ impl<'a> Life<'a> {
     }
 }
 
-/// Sensor ports and flows that nobody reads are not filled.
+/// Removes sensors and core flows that are not read.
 fn tables(flat: &mut Flat, alive: &[bool]) {
     let t = &mut flat.tables;
     let constant = |s: u32| flat.slots.region(Slot(s)) == Region::Constant;
@@ -138,7 +138,7 @@ fn tables(flat: &mut Flat, alive: &[bool]) {
     }
 }
 
-/// Scopes in which nothing is left.
+/// Removes empty scopes.
 fn empty_scopes(flat: &mut Flat) {
     for k in (0..flat.scopes.len()).rev() {
         let keep: Vec<bool> = flat.scopes[k]

@@ -1,4 +1,4 @@
-//! Delays: where they start, and where what they give is read.
+//! Passes on delays: initial values and direct reads.
 
 use super::laws::{self, Law};
 use super::order::ops;
@@ -10,10 +10,10 @@ use rpi_image::image::{End, Form};
 use rpi_prims::{Clock, PrimId};
 use rustc_hash::FxHashMap;
 
-/// A delay whose start is chosen by a constant starts with it.
+/// Moves a constant first value into the initial content of its delay.
 ///
-/// `first ? k : pre x` and the reference's `null(pre x) ? k : pre x` are `pre x` that starts as `k`: the choice takes
-/// the constant exactly in those cycles in which the delay's cells still have their initial content.
+/// `first ? k : pre x` and `null(pre x) ? k : pre x` of the reference system become a `pre x` with initial content `k`.
+/// The choice selects the constant exactly in those cycles in which the delay still has its initial content.
 pub(super) fn start(flat: &mut Flat, _: Clock) {
     let known = Known::new(flat);
     let mut renames = Renames::new(flat);
@@ -44,8 +44,8 @@ pub(super) fn start(flat: &mut Flat, _: Clock) {
     drop_ops(flat, &dropped);
 }
 
-/// What a delay gives is read where it is kept, as long as it is read by operations only: they run before the commit
-/// phase overwrites it.
+/// Reads delayed values directly from the state if only operations read them. All operations run before the commit
+/// phase overwrites the state.
 pub(super) fn direct(flat: &mut Flat, _: Clock) {
     let read_late = read_late(flat);
     let mut renames = Renames::new(flat);
@@ -63,7 +63,7 @@ pub(super) fn direct(flat: &mut Flat, _: Clock) {
     drop_ops(flat, &dropped);
 }
 
-/// For each slot whether it is read otherwise than by operations: after the evaluation, by guards in both phases, by
+/// For each register, whether it is read outside operations: after the evaluation, by guards (in both phases) or by
 /// resets.
 pub(super) fn read_late(flat: &Flat) -> Vec<bool> {
     let mut late = vec![false; flat.slots.len()];
@@ -87,7 +87,7 @@ pub(super) fn read_late(flat: &Flat) -> Vec<bool> {
     late
 }
 
-/// The slots (kept, given) of a delay's operation.
+/// The registers (state, output) of a delay's copy.
 fn delay(flat: &Flat, op: Op) -> Option<(Slot, Slot)> {
     let words = flat.words(op);
     let (from, to) = (Slot(*words.first()?), Slot(*words.get(1)?));
@@ -95,21 +95,21 @@ fn delay(flat: &Flat, op: Op) -> Option<(Slot, Slot)> {
     (op.work == Work::Copy && kept).then_some((from, to))
 }
 
-/// `pre x` behind a choice of how it starts.
+/// A choice between a constant and a delayed value.
 struct Choice {
     delayed: Slot,
     constant: Slot,
 }
 
-/// What is known about slots as long as the net is not changed.
+/// Facts about registers, valid until the net is changed.
 struct Known {
-    /// For each slot, if a delay gives it, where that is kept.
+    /// For each register that is the output of a delay, the state register of the delay.
     kept: Vec<Option<Slot>>,
-    /// What is latched into a slot.
+    /// The source of each latched register.
     latched: FxHashMap<Slot, Slot>,
-    /// What a slot is the opposite of.
+    /// For each register computed by a negation, the negated register.
     opposite: FxHashMap<Slot, Slot>,
-    /// For each slot whether it is read otherwise than as the alternative to a constant in a choice that depends on
+    /// For each register, whether it is read other than as the alternative to a constant in a choice that depends on
     /// `first`.
     read_plainly: Vec<bool>,
 }
@@ -161,7 +161,8 @@ impl Known {
             .or_else(|| self.behind_null(flat, op))
     }
 
-    /// `first ? k : pre x`. Good only if nobody else reads the `pre`, who would see its own start.
+    /// Matches `first ? k : pre x`. Valid only if the `pre` has no other reader, which would see the changed initial
+    /// content.
     fn behind_first(&self, flat: &Flat, op: Op) -> Option<Choice> {
         let Work::Run(prim, Form::Total) = op.work else {
             return None;
@@ -176,7 +177,8 @@ impl Known {
         (is_first && alike).then_some(choice)
     }
 
-    /// `null(pre x) ? k : pre x` for a total x: the `pre` is absent exactly as long as it has its initial content.
+    /// Matches `null(pre x) ? k : pre x` for an x that is always present: the `pre` is absent exactly while it has its
+    /// initial content.
     fn behind_null(&self, flat: &Flat, op: Op) -> Option<Choice> {
         let Work::Run(prim, Form::Optional) = op.work else {
             return None;
@@ -190,7 +192,7 @@ impl Known {
         (sure == Slot::TRUE && other == Slot::TRUE && null && total).then_some(choice)
     }
 
-    /// A choice between a constant and a delay; `at` are the words of condition, constant and delay.
+    /// Matches a choice between a constant and a delay; `at` are the word indices of condition, constant and delay.
     fn alternative(
         &self,
         flat: &Flat,

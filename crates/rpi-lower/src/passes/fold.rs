@@ -1,8 +1,8 @@
-//! What depends on constants only is computed here, by the primitives' own code.
+//! Constant folding, with the primitives' own code.
 //!
-//! Besides: where a presence turns out to be certain, the code that asks for it is replaced by the code that does not;
-//! Boolean logic with a constant on one side is one of its sides; a scope that is always active is no scope, one that
-//! never is, is nothing.
+//! In addition: primitives whose inputs turn out to be always present lose their presence words; Boolean operations
+//! with a constant side are simplified; scopes that are always active are inlined, and those that are never active are
+//! removed.
 
 use super::laws::{self, Law};
 use super::order::{Stop, walk};
@@ -29,7 +29,7 @@ pub(super) fn fold(flat: &mut Flat, clock: Clock) {
             Stop::Leave(scope) => _ = fold.never.pop_if(|s| *s == scope),
         }
     }
-    // Operations come after those whose results they read, so theirs are replaced by now.
+    // Operations run after those whose results they read, so their own reads are already renamed.
     fold.renames.apply_outside(flat);
     drop_ops(flat, &fold.dropped);
     dissolve(flat);
@@ -38,7 +38,7 @@ pub(super) fn fold(flat: &mut Flat, clock: Clock) {
 struct Fold {
     renames: Renames,
     dropped: Vec<bool>,
-    /// The outermost scope around here that is never active, if there is one.
+    /// The outermost enclosing scope that is never active, if any (at most one entry).
     never: Vec<ScopeId>,
     clock: Clock,
 }
@@ -51,7 +51,7 @@ impl Fold {
         }
     }
 
-    /// An operation that never runs: what it would write stays as it starts.
+    /// Drops an operation that never runs. Its outputs keep their initial value 0.
     fn forget(&mut self, flat: &mut Flat, number: u32) {
         let written: Vec<Slot> = flat.writes(flat.ops[number as usize]).collect();
         for slot in written {
@@ -84,7 +84,7 @@ impl Fold {
         fixed
     }
 
-    /// Uses the form without presence words where all inputs are there for sure.
+    /// Switches to the form without presence words if all inputs are certainly present.
     fn be_sure(&mut self, flat: &mut Flat, number: u32) {
         let op = flat.ops[number as usize];
         let Work::Run(prim, Form::Optional) = op.work else {
@@ -134,7 +134,7 @@ impl Fold {
         true
     }
 
-    /// The input that the operation amounts to.
+    /// The input to which an operation can be simplified.
     fn side(&self, flat: &Flat, op: Op, prim: PrimId, form: Form) -> Option<Slot> {
         let words = flat.words(op);
         match (laws::of(prim)?, form) {
@@ -149,7 +149,7 @@ impl Fold {
     }
 }
 
-/// For each word of an optional form whether it is a presence.
+/// For each word of an operation, whether it is a presence.
 fn presence_words(flat: &Flat, op: Op) -> Vec<bool> {
     let Work::Run(prim, form) = op.work else {
         return Vec::new();
@@ -164,7 +164,7 @@ fn presence_words(flat: &Flat, op: Op) -> Vec<bool> {
     words
 }
 
-/// Runs an operation on constants; what it wrote, or nothing if it faulted.
+/// Runs an operation on constants. Returns its outputs, or `None` if it faulted.
 fn compute(
     flat: &Flat,
     op: Op,
@@ -206,7 +206,7 @@ fn compute(
     (!faulted).then(|| written.into_iter().map(content).collect())
 }
 
-/// Scopes that are always active become part of what is around them; those that never are, vanish.
+/// Inlines scopes that are always active and removes those that are never active.
 fn dissolve(flat: &mut Flat) {
     for k in (0..flat.scopes.len()).rev() {
         let items = std::mem::take(&mut flat.scopes[k].items);
@@ -228,7 +228,7 @@ fn inline(flat: &mut Flat, outer: ScopeId, inner: ScopeId, kept: &mut Vec<Item>)
             kept.append(&mut scope.items);
             let latches = std::mem::take(&mut scope.latches);
             flat.scopes[outer.index()].latches.extend(latches);
-            // Scopes that stood in it stand in the outer one now.
+            // Nested scopes of the inlined scope now belong to the outer one.
             for item in kept.iter() {
                 if let Item::Scope(moved) = item {
                     flat.scopes[moved.index()].parent = Some(outer);

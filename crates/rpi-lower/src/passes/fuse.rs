@@ -1,4 +1,4 @@
-//! Two primitives of which one feeds only the other become one: one dispatch and one value less.
+//! Fusion of two primitives if one feeds only the other, which saves one dispatch and one intermediate value.
 
 use super::order::Writers;
 use super::rename::drop_ops;
@@ -10,8 +10,8 @@ use rpi_prims::{Clock, PrimId};
 use rustc_hash::FxHashMap;
 use std::sync::LazyLock;
 
-/// What is fused: a primitive, what it feeds and through which in-port, and what does both. The inputs of the fused one
-/// are those of the outer one, with those of the inner one in the place of what it feeds.
+/// Table of fusions: inner primitive, outer primitive, in-port of the outer one, fused primitive. The inputs of the
+/// fused primitive are those of the outer one, with the inputs of the inner one in place of the connected in-port.
 const FUSED: &[(&str, &str, usize, &str)] = &[
     (
         "Core::DoubleMultiply",
@@ -87,7 +87,7 @@ pub(super) fn fuse(flat: &mut Flat, _: Clock) {
     drop_ops(flat, &dropped);
 }
 
-/// What an operation reads through an in-port, if it is a value that another one computes.
+/// The value at an in-port of an operation, if another operation computes it.
 fn fed(flat: &Flat, op: Op, port: usize) -> Option<Slot> {
     let Work::Run(_, Form::Total) = op.work else {
         return None;
@@ -101,12 +101,12 @@ fn both(flat: &Flat, outer: Op, port: usize, inner: Op) -> Option<PrimId> {
     let (Work::Run(outer, _), Work::Run(prim, Form::Total)) = (outer.work, inner.work) else {
         return None;
     };
-    // All of the table have one out-port, so an inner one that feeds is its only word that is written.
+    // All primitives in the table have one out-port, so the only written word of the inner one is the connected value.
     debug_assert!(flat.writes(inner).count() >= 1);
     BY_PARTS.get(&(outer, port, prim)).copied()
 }
 
-/// Replaces an operation by one that does the inner one's work, too.
+/// Replaces the outer operation by the fused one.
 fn join(flat: &mut Flat, number: u32, port: usize, inner: u32, both: PrimId) {
     let (outer, inner) = (flat.ops[number as usize], flat.ops[inner as usize]);
     let inputs = flat.words(inner);
@@ -120,7 +120,7 @@ fn join(flat: &mut Flat, number: u32, port: usize, inner: u32, both: PrimId) {
     flat.words.extend(words);
 }
 
-/// How often each slot is read, by whomever.
+/// Number of readers of each register, of any kind.
 fn uses(flat: &Flat, order: &[(u32, ScopeId)]) -> Vec<u32> {
     let mut uses = vec![0; flat.slots.len()];
     let mut count = |slot: Slot| uses[slot.index()] += 1;

@@ -1,22 +1,23 @@
-//! The few laws of primitives that the passes make use of. What a primitive means stands in its declaration; a test runs
-//! the primitives' own code against every law told here.
+//! Algebraic identities of primitives that the passes use. The meaning of a primitive is defined by its declaration; a
+//! test checks every identity against the primitive's own code.
 
 use crate::slots::Slot;
 use rpi_prims::{PrimId, registry};
 use std::sync::LazyLock;
 
-/// What is known of a primitive besides its declaration.
+/// An algebraic identity of a primitive.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Law {
-    /// Two Booleans to one: with one side `neutral` it is the other side, with one side `absorbing` it is that.
+    /// A Boolean function of two inputs: with one side `neutral` the result is the other side, with one side
+    /// `absorbing` the result is `absorbing`.
     Gate { neutral: Slot, absorbing: Slot },
-    /// A Boolean to its opposite.
+    /// Boolean negation.
     Opposite,
-    /// The second input where the first is true, else the third.
+    /// The second input if the first is true, else the third.
     Choice,
 }
 
-/// The law of a primitive, if there is one.
+/// The identity of a primitive, if any.
 pub(super) fn of(prim: PrimId) -> Option<Law> {
     static LAWS: LazyLock<Vec<Option<Law>>> =
         LazyLock::new(|| registry().iter().map(|p| by_name(p.desc.name)).collect());
@@ -39,7 +40,7 @@ fn by_name(name: &str) -> Option<Law> {
     }
 }
 
-/// What a gate amounts to, if one side decides or both are the same.
+/// Simplifies a gate if one side decides or both sides are equal.
 pub(super) fn gate(a: Slot, b: Slot, neutral: Slot, absorbing: Slot) -> Option<Slot> {
     match (a, b) {
         _ if a == absorbing || b == absorbing => Some(absorbing),
@@ -49,7 +50,7 @@ pub(super) fn gate(a: Slot, b: Slot, neutral: Slot, absorbing: Slot) -> Option<S
     }
 }
 
-/// What a choice amounts to, if its condition is constant or does not matter.
+/// Simplifies a choice if its condition is constant or both alternatives are equal.
 pub(super) fn choice(condition: Slot, yes: Slot, no: Slot) -> Option<Slot> {
     match condition {
         Slot::TRUE => Some(yes),
@@ -64,7 +65,7 @@ mod tests {
     use rpi_image::{PortType, Scalar};
     use rpi_prims::{Clock, Cx, NoDevices};
 
-    /// Runs the total form on single cells and gives the first output cell.
+    /// Runs the total form of a primitive and returns its first `cells_out` output slots.
     fn run(prim: PrimId, inputs: &[Vec<u64>], cells_out: usize) -> Vec<u64> {
         let (mut cells, mut words) = (Vec::new(), Vec::new());
         for input in inputs {

@@ -1,8 +1,7 @@
-//! What makes an image faster without changing a bit of what leaves it. One file per pass; the order is that of
-//! [`PASSES`].
+//! Optimisation passes that do not change a bit of the outputs. One file per pass; [`PASSES`] has the order.
 //!
-//! Every pass keeps: what may fault and what reaches a device stays, in its order among its like; values that leave the
-//! command (exports, ends, set-points) keep their bits; a slot has one writer, which comes before its readers.
+//! Invariants of every pass: operations that may fault or reach a device are kept, in their relative order; exports,
+//! results and set-points keep their bits; each register has one writer, which runs before its readers.
 
 mod coalesce;
 mod dead;
@@ -19,18 +18,18 @@ mod share;
 use crate::flat::Flat;
 use rpi_prims::Clock;
 
-/// A pass over a net that was taken apart.
+/// A pass over a flat net.
 pub(crate) struct Pass {
-    /// Its name in messages and listings.
+    /// Name of the pass in messages and listings.
     pub(crate) name: &'static str,
-    /// What it is for, in one line.
+    /// One-line description.
     pub(crate) what: &'static str,
     pub(crate) run: fn(&mut Flat, Clock),
 }
 
 const FOLD: Pass = Pass {
     name: "fold",
-    what: "what depends on constants only is computed here",
+    what: "evaluate constant expressions at compile time",
     run: fold::fold,
 };
 
@@ -38,49 +37,49 @@ const FOLD: Pass = Pass {
 pub(crate) const PASSES: &[Pass] = &[
     Pass {
         name: "sensors",
-        what: "a device port that is read several times is read once",
+        what: "read each device port once per cycle",
         run: sensors::share,
     },
     FOLD,
     Pass {
         name: "start",
-        what: "a delay whose start is chosen by a constant starts with it",
+        what: "turn a constant first value into the initial content of its delay",
         run: delays::start,
     },
     FOLD,
     Pass {
         name: "share",
-        what: "equal expressions are computed once",
+        what: "compute common subexpressions once",
         run: share::share,
     },
     Pass {
         name: "direct",
-        what: "what a delay gives is read where it is kept",
+        what: "read delayed values directly from the state",
         run: delays::direct,
     },
     Pass {
         name: "dead",
-        what: "what nobody reads is not computed",
+        what: "remove computations without an effect",
         run: dead::remove,
     },
     Pass {
         name: "fuse",
-        what: "two primitives of which one feeds only the other become one",
+        what: "fuse two primitives if one feeds only the other",
         run: fuse::fuse,
     },
     Pass {
         name: "rows",
-        what: "equal primitives stand side by side",
+        what: "group calls of the same primitive",
         run: rows::arrange,
     },
     Pass {
         name: "coalesce",
-        what: "a value is computed where the delay of it is kept",
+        what: "compute a value directly in the state of its delay",
         run: coalesce::coalesce,
     },
 ];
 
-/// Runs all passes; `check` looks at the net after each.
+/// Runs all passes and calls `check` after each.
 pub(crate) fn run(flat: &mut Flat, clock: Clock, mut check: impl FnMut(&Flat, &Pass)) {
     for pass in PASSES {
         (pass.run)(flat, clock);
@@ -88,7 +87,7 @@ pub(crate) fn run(flat: &mut Flat, clock: Clock, mut check: impl FnMut(&Flat, &P
     }
 }
 
-/// The passes after which a net reads well: for what is written for people and other compilers.
+/// Runs the passes that keep the net readable, for generated C code.
 pub(crate) fn tidy(flat: &mut Flat, clock: Clock) {
     let all = PASSES.iter().take_while(|p| p.name != "fuse");
     all.for_each(|p| (p.run)(flat, clock));

@@ -1,20 +1,20 @@
-//! Walking through a net in the order in which it runs.
+//! Traversal of a flat net in execution order.
 
 use crate::flat::{Flat, Item, ScopeId};
 use crate::slots::Slot;
 
-/// One stop of a walk.
+/// An event of a traversal.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Stop {
-    /// A scope begins.
+    /// Start of a scope.
     Enter(ScopeId),
-    /// An operation of the scope that was entered last and not left.
+    /// An operation, with its scope.
     Op(u32, ScopeId),
-    /// A scope ends.
+    /// End of a scope.
     Leave(ScopeId),
 }
 
-/// All stops in order. Scopes nest as deep as fragments do, so the stack is kept on the heap.
+/// All events of a traversal in order. Scopes nest as deep as fragments, so the stack is on the heap.
 pub(super) fn walk(flat: &Flat) -> Vec<Stop> {
     let mut stops = Vec::with_capacity(flat.ops.len() + 2 * flat.scopes.len());
     visit(flat, |stop| stops.push(stop));
@@ -42,7 +42,7 @@ fn visit(flat: &Flat, mut with: impl FnMut(Stop)) {
     }
 }
 
-/// The operations in order, each with its scope.
+/// All operations in execution order, each with its scope.
 pub(crate) fn ops(flat: &Flat) -> Vec<(u32, ScopeId)> {
     let mut ops = Vec::with_capacity(flat.ops.len());
     visit(flat, |stop| match stop {
@@ -52,11 +52,11 @@ pub(crate) fn ops(flat: &Flat) -> Vec<(u32, ScopeId)> {
     ops
 }
 
-/// The operations in order, and which of them writes each slot.
+/// All operations in execution order, with the writer of each register.
 pub(super) struct Writers {
-    /// The operations with their scopes.
+    /// All operations in execution order, each with its scope.
     pub(super) order: Vec<(u32, ScopeId)>,
-    /// For each slot the place of its writer in `order`.
+    /// For each register, the index of its writer in `order`.
     place: Vec<u32>,
 }
 
@@ -74,7 +74,7 @@ impl Writers {
         writers
     }
 
-    /// The writer of a slot: its place, its number and its scope.
+    /// The writer of a register: its position, its operation and its scope.
     pub(super) fn of(&self, slot: Slot) -> Option<(u32, u32, ScopeId)> {
         let place = self.place[slot.index()];
         let (number, scope) = self.order.get(place as usize)?;
@@ -82,7 +82,7 @@ impl Writers {
     }
 }
 
-/// True if `inner` is `outer` or stands in it.
+/// True if `inner` is `outer` or nested inside it.
 pub(super) fn encloses(flat: &Flat, outer: ScopeId, inner: ScopeId) -> bool {
     let parent = |s: &ScopeId| flat.scopes[s.index()].parent;
     std::iter::successors(Some(inner), parent).any(|s| s == outer)

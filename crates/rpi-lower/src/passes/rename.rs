@@ -1,19 +1,19 @@
-//! Replaces slots by others everywhere at once.
+//! Substitution of registers.
 
 use crate::access::Access;
 use crate::flat::{Flat, Item};
 use crate::slots::Slot;
 use rpi_image::image::{End, Signal};
 
-/// For each slot the one that stands in for it.
+/// A substitution of registers.
 pub(super) struct Renames {
     to: Vec<Slot>,
-    /// Whether any slot is replaced.
+    /// True if any register is replaced.
     any: bool,
 }
 
 impl Renames {
-    /// Every slot stands for itself.
+    /// The identity.
     pub(super) fn new(flat: &Flat) -> Self {
         Renames {
             to: (0..).map(Slot).take(flat.slots.len()).collect(),
@@ -21,7 +21,7 @@ impl Renames {
         }
     }
 
-    /// What stands in for a slot; slots that were made since stand for themselves.
+    /// The replacement of a register. Registers added later are not replaced.
     pub(super) fn get(&self, slot: Slot) -> Slot {
         let mut at = slot;
         while let Some(&next) = self.to.get(at.index()).filter(|n| **n != at) {
@@ -30,18 +30,18 @@ impl Renames {
         at
     }
 
-    /// Lets `to` stand in for `from`.
+    /// Replaces `from` by `to`.
     pub(super) fn set(&mut self, from: Slot, to: Slot) {
         self.to[from.index()] = self.get(to);
         self.any = true;
     }
 
-    /// Replaces the slots that an operation reads.
+    /// Applies the substitution to the reads of an operation.
     pub(super) fn reads(&self, flat: &mut Flat, op: u32) {
         flat.replace(flat.ops[op as usize], Access::is_read, |s| self.get(s));
     }
 
-    /// Replaces what is read anywhere.
+    /// Applies the substitution to all reads.
     pub(super) fn apply(&self, flat: &mut Flat) {
         if self.any {
             for op in 0..flat.ops.len() as u32 {
@@ -51,7 +51,7 @@ impl Renames {
         }
     }
 
-    /// Replaces what is read otherwise than by operations.
+    /// Applies the substitution to reads outside operations: guards, resets, latches, tables.
     pub(super) fn apply_outside(&self, flat: &mut Flat) {
         for scope in &mut flat.scopes {
             scope.guard = self.get(scope.guard);
@@ -78,7 +78,7 @@ impl Renames {
     }
 }
 
-/// Takes operations out of all scopes.
+/// Removes operations from all scopes.
 pub(super) fn drop_ops(flat: &mut Flat, dropped: &[bool]) {
     if !dropped.contains(&true) {
         return;

@@ -1,11 +1,11 @@
-//! Equal primitives stand side by side, so that one dispatch serves many.
+//! Groups calls of the same primitive into rows, so that one dispatch serves many calls.
 //!
-//! Within a scope any order is good that keeps dependencies. Of all that is ready, one kind is chosen and run until none
-//! of it is ready any more, what becomes ready meanwhile included; then the next kind: list scheduling (Graham 1966) where
-//! what costs is the change of kind. The kind is chosen on which the longest chain of changes still waits. On irregular
-//! nets an interpreter loses most of its time to dispatches that the processor cannot foresee, so few changes count for
-//! more than anything else.
-//! Scopes under the same guard are a kind, too: neighbours become one scope.
+//! Within a scope, any order that respects dependencies is valid. The pass picks a kind among the ready items and runs
+//! items of that kind until none is ready, including those that become ready meanwhile. Then it picks the next kind.
+//! This is list scheduling (Graham 1966) with the change of kind as the cost. The next kind is the one with the longest
+//! remaining chain of changes. On irregular nets, mispredicted dispatches dominate the time of an interpreter, so the
+//! number of changes is the only criterion.
+//! Scopes with the same guard are also a kind: neighbours are merged into one scope.
 
 use crate::flat::{Flat, Item, ScopeId, Work};
 use crate::slots::Slot;
@@ -17,7 +17,7 @@ use std::collections::VecDeque;
 
 pub(super) fn arrange(flat: &mut Flat, _: Clock) {
     let mut writer = vec![NONE; flat.slots.len()];
-    // Scopes that are merged into an earlier one are empty when their turn comes.
+    // Scopes that were merged into an earlier one are already empty when they are visited.
     let mut waiting = vec![ScopeId::ROOT];
     while let Some(scope) = waiting.pop() {
         let order = Graph::new(flat, scope, &mut writer).order();
@@ -36,7 +36,7 @@ pub(super) fn arrange(flat: &mut Flat, _: Clock) {
 
 const NONE: u32 = u32::MAX;
 
-/// Appends an item; a scope under the same guard as the one before it goes into that.
+/// Appends an item. Merges a scope into the previous one if both have the same guard.
 fn place(flat: &mut Flat, arranged: &mut Vec<Item>, item: Item) {
     if let (Some(Item::Scope(last)), Item::Scope(next)) = (arranged.last().copied(), item) {
         let kinds = [last, next].map(|s| Kind::of_scope(flat, s));
@@ -54,13 +54,13 @@ fn place(flat: &mut Flat, arranged: &mut Vec<Item>, item: Item) {
     arranged.push(item);
 }
 
-/// What can stand in one row.
+/// Kind of an item. Items of the same kind can form a row.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 enum Kind {
     Run(PrimId, Form),
     Copy,
     Guarded(Slot),
-    /// Stands alone.
+    /// Never forms a row.
     Alone,
 }
 
@@ -76,7 +76,7 @@ impl Kind {
         }
     }
 
-    /// Scopes that exist for their guard only can be merged.
+    /// The kind of a scope; only scopes without reset and latches can be merged.
     fn of_scope(flat: &Flat, scope: ScopeId) -> Option<Kind> {
         let scope = &flat.scopes[scope.index()];
         let plain = scope.reset.is_none() && scope.latches.is_empty();
@@ -84,14 +84,14 @@ impl Kind {
     }
 }
 
-/// The dependencies of a scope's items.
+/// Dependency graph of the items of a scope.
 struct Graph {
-    /// For each item the number of its kind.
+    /// Kind number of each item.
     kinds: Vec<u32>,
     kind_count: usize,
-    /// How many items each one waits for.
+    /// Number of pending dependencies of each item.
     waits: Vec<u32>,
-    /// Where each item's readers start in `readers`; one more entry than items.
+    /// Start of each item's dependents in `readers`; one more entry than items (compressed sparse rows).
     start: Vec<u32>,
     readers: Vec<u32>,
 }
@@ -132,7 +132,7 @@ impl Graph {
         }
     }
 
-    /// An order in which each item comes after all that it waits for.
+    /// A topological order of the items.
     fn order(mut self) -> Vec<u32> {
         let mut ready = Ready::new(self.kind_count, self.heights());
         for at in (0..).take(self.kinds.len()) {
@@ -156,10 +156,10 @@ impl Graph {
         order
     }
 
-    /// For each item how often the kind must change at least until all that waits for it is done.
+    /// For each item, the minimum number of changes of kind until all its dependents are done.
     fn heights(&self) -> Vec<u32> {
         let mut heights = vec![0; self.kinds.len()];
-        // Items stand in an order of evaluation, so readers come later.
+        // Items are in an evaluation order, so dependents come later.
         for at in (0..self.kinds.len()).rev() {
             let readers = &self.readers[self.start[at] as usize..self.start[at + 1] as usize];
             let above = readers.iter().map(|&r| {
@@ -172,10 +172,10 @@ impl Graph {
     }
 }
 
-/// What is ready, by kind.
+/// Ready items by kind.
 struct Ready {
     queues: Vec<VecDeque<u32>>,
-    /// The greatest height in each queue.
+    /// Greatest height in each queue.
     tops: Vec<u32>,
     heights: Vec<u32>,
 }
@@ -203,14 +203,15 @@ impl Ready {
         item
     }
 
-    /// The kind on which the longest chain of changes waits; of several the one of which most is ready.
+    /// The kind with the longest remaining chain of changes. Ties are broken by the number of ready items, then by the
+    /// lower number.
     fn next_kind(&self) -> Option<usize> {
         let some = (0..self.queues.len()).filter(|k| !self.queues[*k].is_empty());
         some.max_by_key(|&k| (self.tops[k], self.queues[k].len(), Reverse(k)))
     }
 }
 
-/// Number of the kind of each item, in order of first appearance.
+/// Kind number of each item, in order of first appearance, and the number of kinds.
 fn kinds(flat: &Flat, items: &[Item]) -> (Vec<u32>, usize) {
     let mut known = FxHashMap::default();
     let mut count = 0;
@@ -226,8 +227,8 @@ fn kinds(flat: &Flat, items: &[Item]) -> (Vec<u32>, usize) {
     (kinds.collect(), count as usize)
 }
 
-/// Edges by their source: starts, readers, and how many edges end at each item. They come by ascending target, so that
-/// counting sorts them; an edge that comes several times counts as often on both sides.
+/// Builds the compressed adjacency lists: starts, dependents, and the in-degree of each item. Edges come in ascending
+/// order of their targets, so counting sort suffices. Duplicate edges count equally on both sides.
 fn compress(items: usize, edges: &[(u32, u32)]) -> (Vec<u32>, Vec<u32>, Vec<u32>) {
     let (mut start, mut waits) = (vec![0; items + 1], vec![0; items]);
     for (from, to) in edges {
@@ -247,8 +248,8 @@ fn compress(items: usize, edges: &[(u32, u32)]) -> (Vec<u32>, Vec<u32>, Vec<u32>
     (start, readers, waits)
 }
 
-/// Every slot that an item reads or writes (true), in order. Where something starts afresh, what delays keep there is
-/// written, too: who reads it from outside comes after that.
+/// Calls `with` for every register that an item reads (false) or writes (true), in order. A reset also writes the state
+/// of the delays in its scope, so readers outside must come after it.
 fn visit(flat: &Flat, item: Item, afresh: bool, with: &mut impl FnMut(Slot, bool)) {
     match item {
         Item::Op(op) => {
@@ -270,7 +271,7 @@ fn visit(flat: &Flat, item: Item, afresh: bool, with: &mut impl FnMut(Slot, bool
     }
 }
 
-/// Devices are reached in the order of the net.
+/// True if an item reaches a device. Such items keep the order of the net.
 fn reaches_device(flat: &Flat, item: Item) -> bool {
     match item {
         Item::Op(op) => matches!(

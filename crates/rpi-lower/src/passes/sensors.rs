@@ -1,4 +1,4 @@
-//! A device port that is read several times is read once.
+//! Merges sensors that read the same device port.
 
 use super::rename::Renames;
 use crate::flat::Flat;
@@ -29,7 +29,7 @@ fn key(port: &DevicePort) -> (String, String, u32) {
     (port.device.clone(), port.port.clone(), port.index)
 }
 
-/// A missing sample is a fault.
+/// True if the sensor must always have a sample. A missing sample is then a fault.
 fn sure(sensor: &Sensor) -> bool {
     sensor.value.present == Slot::TRUE.0
 }

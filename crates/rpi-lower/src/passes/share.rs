@@ -1,7 +1,7 @@
-//! Equal expressions are computed once.
+//! Common subexpression elimination.
 //!
-//! Two operations without state are equal if they do the same on the same slots. The earlier one serves for both if it
-//! runs whenever the later one does: if its scope encloses that of the later.
+//! Two stateless operations are equal if they do the same with the same registers. The earlier one replaces the later
+//! one if it runs whenever the later one does, which holds if its scope encloses that of the later one.
 
 use super::order::{encloses, ops};
 use super::rename::{Renames, drop_ops};
@@ -31,14 +31,15 @@ pub(super) fn share(flat: &mut Flat, _: Clock) {
             dropped[number as usize] = true;
         }
     }
-    // Operations come after those whose results they read, so theirs are replaced by now.
+    // Operations run after those whose results they read, so their own reads are already renamed.
     renames.apply_outside(flat);
     drop_ops(flat, &dropped);
 }
 
 const NONE: u32 = u32::MAX;
 
-/// The operations so far by what they compute from what; equal ones that do not serve for each other in a chain.
+/// Operations visited so far, hashed by kind and inputs. Equal operations in scopes that do not enclose each other form
+/// a chain.
 struct Known {
     first: HashTable<u32>,
     next: Vec<u32>,
@@ -54,7 +55,7 @@ impl Known {
         }
     }
 
-    /// An equal operation that runs whenever this one does; if there is none, this one is entered.
+    /// An equal operation that runs whenever this one does. If there is none, enters this operation into the table.
     fn earlier(&mut self, flat: &Flat, number: u32, scope: ScopeId) -> Option<u32> {
         let op = |number: u32| flat.ops[number as usize];
         self.scope[number as usize] = scope;
@@ -96,7 +97,7 @@ fn same(flat: &Flat, a: Op, b: Op) -> bool {
     a.work == b.work && inputs(flat, a).eq(inputs(flat, b))
 }
 
-/// Words that tell what comes out: all but those that are written.
+/// Words that determine the result: all but the written ones.
 fn inputs(flat: &Flat, op: Op) -> impl Iterator<Item = u32> + '_ {
     let shape = flat.shapes.shape(op);
     let words = flat.words(op).iter().enumerate();
@@ -104,7 +105,7 @@ fn inputs(flat: &Flat, op: Op) -> impl Iterator<Item = u32> + '_ {
     read.map(|(_, word)| *word)
 }
 
-/// No state, no device; the same inputs give the same outputs within a cycle, faults included.
+/// True for operations without state and devices. Equal inputs give equal outputs within a cycle, including faults.
 fn is_pure(op: Op) -> bool {
     match op.work {
         Work::Run(prim, _) => matches!(prim.desc().state, State::None),

@@ -28,7 +28,7 @@ impl Build {
         }
     }
 
-    /// Adds a node; ports and parameters that are not named take their defaults.
+    /// Adds a node. Ports and parameters that are not listed take their defaults.
     pub fn node(
         &mut self,
         fragment: FragmentId,
@@ -95,7 +95,7 @@ impl Build {
         }
     }
 
-    /// A fragment inside of another, active when the flow says.
+    /// Adds a fragment inside `parent` that is active while `when` is true.
     pub fn fragment(
         &mut self,
         parent: FragmentId,
@@ -119,7 +119,7 @@ impl Build {
         })
     }
 
-    /// Wires an in-port afterwards: feedback.
+    /// Connects an in-port later, for feedback.
     pub fn wire(&mut self, node: NodeId, port: usize, source: PortRef) {
         self.net.nodes[node.index()].inputs[port] = Input::Port(source);
     }
@@ -135,7 +135,7 @@ pub fn image(net: &Net, options: &LowerOptions<'_>) -> Image {
     image
 }
 
-/// Runs one cycle up to the commit phase and gives the probes of the port.
+/// Runs one cycle up to the commit phase.
 pub fn cycle(machine: &mut Machine) {
     machine.read(&mut NoDevices, &Moment::default());
     machine.evaluate(&mut NoDevices);
@@ -146,7 +146,7 @@ pub fn finish(machine: &mut Machine) {
     assert!(machine.hand_over(&mut NoDevices));
 }
 
-/// The value of `path.port` in this cycle.
+/// The value of the probe `path.port` in this cycle; `None` if it is absent.
 pub fn probe(machine: &Machine, name: &str) -> Option<Vec<u64>> {
     let image = machine.image();
     let probe = image.probes.iter().find(|p| image.probe_name(p) == name);

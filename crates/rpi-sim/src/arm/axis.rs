@@ -5,19 +5,19 @@ use crate::cell::Enforced;
 use crate::code::Code;
 use rpi_kin::AxisLimits;
 
-/// An axis: where it was told to be, where its drive is, where it is measured.
+/// An axis: its limits, its commanded, driven and measured positions, and its error code.
 #[derive(Clone, Debug)]
 pub(super) struct Axis {
     pub(super) limits: AxisLimits,
-    /// After the last set-point that was taken, or while braking.
+    /// State commanded by the last accepted set-point, or by braking.
     pub(super) commanded: State,
-    /// The set-point of this tick, judged.
+    /// State of the checked set-point of this tick.
     pub(super) staged: Option<State>,
-    /// Where the drive is on its way to the commanded position, in rad.
+    /// Position of the drive on its way to the commanded position, in rad.
     pub(super) driven: f64,
-    /// What is measured, without noise and latency.
+    /// Measured state, without noise and latency.
     pub(super) measured: State,
-    /// What is wrong with it.
+    /// Present error code of the axis.
     pub(super) code: Code,
 }
 
@@ -34,7 +34,7 @@ impl Axis {
         }
     }
 
-    /// What a set-point would lead to, `period` (s) after the last.
+    /// Checks a set-point `target` (rad) that follows the last one after `period` (s). Returns the resulting state.
     pub(super) fn judge(
         &self,
         target: f64,
@@ -44,25 +44,25 @@ impl Axis {
         judge(&self.commanded, target, period, &self.limits, enforced)
     }
 
-    /// Whether it moves and nobody said where to.
+    /// True if the axis is moving and has no set-point in this tick.
     pub(super) fn is_left_alone(&self) -> bool {
         self.staged.is_none() && self.commanded.is_moving()
     }
 
-    /// What was wrong with a set-point is not any more, only that the joint has failed.
+    /// Clears the error of a rejected set-point, but not a failure of the joint.
     pub(super) fn forget_refusal(&mut self) {
         if !self.code.is_failure() {
             self.code = Code::OK;
         }
     }
 
-    /// Takes the staged set-point, or holds if there is none.
+    /// Applies the staged set-point, or holds the position without one.
     pub(super) fn take(&mut self) {
         let held = State::standing(self.commanded.position);
         self.commanded = self.staged.take().unwrap_or(held);
     }
 
-    /// Moves the drive on its way, which takes `left` more ticks.
+    /// Moves the drive towards the commanded position, which it reaches after `left` more ticks.
     pub(super) fn drive(&mut self, left: u32) {
         self.driven = match left {
             0 | 1 => self.commanded.position,
@@ -70,7 +70,7 @@ impl Axis {
         };
     }
 
-    /// Goes on at a velocity for one tick (s), as the arm's own brake wants it.
+    /// Moves at a velocity (rad/s) for one tick (s) while the arm brakes.
     pub(super) fn coast(&mut self, velocity: f64, tick: f64) {
         let from = State {
             position: self.driven,
@@ -80,7 +80,7 @@ impl Axis {
         self.driven = self.commanded.position;
     }
 
-    /// Lets what is measured follow the drive; `share` of the way is made up in one tick (s).
+    /// Moves the measured position towards the drive by the fraction `share` of the difference, in one tick (s).
     pub(super) fn measure(&mut self, share: f64, tick: f64) {
         let from = self.measured.position;
         self.measured = self

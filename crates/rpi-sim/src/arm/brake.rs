@@ -1,23 +1,23 @@
-//! The arm's own stop: all axes to rest, each within its limits, on a straight line through the joints where it can.
+//! Braking of a whole arm: all axes come to rest within their limits, on a straight line in joint space if possible.
 
 use super::guard::State;
 use rpi_kin::stop::{Motion, Stop};
 use rpi_kin::{AxisLimits, MAX_AXES};
 
-/// An arm on its way to rest.
+/// A stop in progress.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Brake {
     axes: [Stop; MAX_AXES],
-    /// Time since it began, in s.
+    /// Time since the start of braking, in s.
     time: f64,
 }
 
-/// How far accelerations may be from proportional to the velocities for the line to count as straight, as a share of the
-/// acceleration limits.
+/// Tolerance for a motion to count as a straight line in joint space: deviation of the accelerations from
+/// proportionality to the velocities, as a fraction of the acceleration limits.
 const STRAIGHT: f64 = 1e-3;
 
 impl Brake {
-    /// From the states of all axes. An axis whose numbers allow no way to rest stops dead.
+    /// Plans the stop from the states of all axes. An axis without a valid stop profile stops at once.
     pub(super) fn new<'a>(axes: impl Iterator<Item = (State, &'a AxisLimits)> + Clone) -> Self {
         let mut stops = [Stop::default(); MAX_AXES];
         let along = line(axes.clone());
@@ -34,28 +34,28 @@ impl Brake {
         }
     }
 
-    /// Lets `tick` seconds pass; the velocity of each axis from then on.
+    /// Advances the time by `tick` (s). Returns the new velocity of each axis.
     pub(super) fn pass(&mut self, tick: f64) -> impl Iterator<Item = f64> + '_ {
         self.time += tick;
         self.axes.iter().map(|stop| stop.at(self.time).velocity)
     }
 
-    /// Whether all axes have come to rest, and have stood for two ticks (s): only then do the first and second differences
-    /// of their positions tell so, which is what the next set-points are held against.
+    /// True if all axes have been at rest for two ticks of `tick` seconds. Only then are the first and second
+    /// differences of their positions zero, which the check of the next set-points uses.
     pub(super) fn is_over(&self, tick: f64) -> bool {
         let stood = self.time - 2.0 * tick;
         self.axes.iter().all(|stop| stood >= stop.duration())
     }
 }
 
-/// Braking along a line: every axis follows the same course, scaled by its velocity.
+/// Braking along a line in joint space: every axis follows the same profile, scaled by its velocity.
 #[derive(Clone, Copy)]
 struct Line {
-    /// Acceleration per velocity at first, 1/s.
+    /// Initial ratio of acceleration to velocity, 1/s.
     gain: f64,
-    /// Acceleration per velocity that every axis can bear, 1/s.
+    /// Ratio of acceleration to velocity that every axis can follow, 1/s.
     acceleration: f64,
-    /// Jerk per velocity that every axis can bear, 1/s².
+    /// Ratio of jerk to velocity that every axis can follow, 1/s².
     jerk: f64,
 }
 
@@ -73,7 +73,8 @@ impl Line {
     }
 }
 
-/// The line on which the axes move, if their accelerations are proportional to their velocities.
+/// The line in joint space on which the axes move; `None` if their accelerations are not proportional to their
+/// velocities.
 fn line<'a>(axes: impl Iterator<Item = (State, &'a AxisLimits)> + Clone) -> Option<Line> {
     let by_speed = |state: &State| state.velocity.abs();
     let states = axes.clone().map(|(state, _)| state);

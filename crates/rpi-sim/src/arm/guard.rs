@@ -1,7 +1,7 @@
-//! What a controller holds a set-point of one axis against before it takes it.
+//! Limit checks of a controller for the set-points of one axis.
 //!
-//! Velocity, acceleration and jerk are backward differences of the set-points over their period, the definition by which
-//! Franka's control interface refuses motions (frankarobotics.github.io, robot specifications).
+//! Velocity, acceleration and jerk are backward differences of the set-points over their period. Franka's control
+//! interface checks motions by the same definition (frankarobotics.github.io, robot specifications).
 
 use crate::cell::Enforced;
 use crate::code::Code;
@@ -10,35 +10,35 @@ use rpi_kin::AxisLimits;
 /// Position, velocity and acceleration of an axis, in rad and s.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct State {
-    /// Position.
+    /// Position, rad.
     pub position: f64,
-    /// Velocity.
+    /// Velocity, rad/s.
     pub velocity: f64,
-    /// Acceleration.
+    /// Acceleration, rad/s².
     pub acceleration: f64,
 }
 
-/// What a set-point is refused for.
+/// Violation of a limit by a set-point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Violation {
-    /// Which limit.
+    /// Error code of the limit.
     pub code: Code,
-    /// The value that breaks it, in rad and s.
+    /// The violating value, in rad and s.
     pub value: f64,
-    /// The limit itself.
+    /// The limit, in rad and s.
     pub limit: f64,
 }
 
-/// Slower than this counts as standing, in rad/s: a nanometre per millisecond at a metre's distance.
+/// Velocities below this, in rad/s, count as zero: a nanometre per millisecond at a distance of one metre.
 const STANDING: f64 = 1e-6;
 
-/// A value may exceed its limit by this share, and a position by this many rad, so that rounding on the way here does not
-/// turn a set-point on the limit into one beyond it.
+/// Tolerances for rounding errors, so that a set-point on the limit is accepted: relative for velocity, acceleration
+/// and jerk, in rad for positions.
 const ROUNDING: f64 = 1e-6;
 const POSITION_ROUNDING: f64 = 1e-9;
 
 impl Violation {
-    /// One that has no value and no limit.
+    /// A violation without a value and a limit.
     #[must_use]
     pub const fn of(code: Code) -> Self {
         Self {
@@ -50,7 +50,7 @@ impl Violation {
 }
 
 impl State {
-    /// At rest.
+    /// A state at rest.
     #[must_use]
     pub const fn standing(position: f64) -> Self {
         Self {
@@ -60,7 +60,7 @@ impl State {
         }
     }
 
-    /// The state after `target` follows in a period (s).
+    /// The state after a set-point `target` (rad) that follows after `period` (s).
     #[must_use]
     pub fn followed_by(&self, target: f64, period: f64) -> Self {
         let velocity = (target - self.position) / period;
@@ -71,14 +71,14 @@ impl State {
         }
     }
 
-    /// Whether the axis moves.
+    /// True if the velocity is not zero.
     #[must_use]
     pub fn is_moving(&self) -> bool {
         self.velocity.abs() > STANDING
     }
 }
 
-/// The state that `target` leads to, or why it is refused.
+/// Checks the set-point `target` against the limits. Returns the resulting state.
 pub(super) fn judge(
     before: &State,
     target: f64,
@@ -94,6 +94,7 @@ pub(super) fn judge(
     }
     let after = before.followed_by(target, period);
     let jerk = (after.acceleration - before.acceleration) / period;
+    // An axis at rest that violates the velocity limit was usually given a set-point far from its position.
     let too_fast = if before.is_moving() {
         Code::VELOCITY
     } else {

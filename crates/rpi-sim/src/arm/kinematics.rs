@@ -1,6 +1,6 @@
-//! The arm's poses, velocities and forces at its tool, and the functions that it offers.
+//! Poses, velocities and forces at the arm's tool, and the kinematic functions of the arm.
 //!
-//! Everything is the tool in the arm's base, in base coordinates; where the base stands in the cell does not matter here.
+//! All poses are those of the tool in the arm's base frame. The pose of the base in the cell does not matter here.
 
 use super::Arm;
 use super::guard::State;
@@ -8,17 +8,17 @@ use nalgebra::{SMatrix, Vector6};
 use rpi_kin::model::Inverse;
 use rpi_kin::{MAX_AXES, NoSolution, Pose, jacobian};
 
-/// A value for each axis, as long as the longest arm; unused entries are zero.
+/// A value for each axis, with the length of the longest arm; unused entries are zero.
 pub(super) type PerAxis = [f64; MAX_AXES];
 
 impl Arm {
-    /// The tool's pose for joint positions in rad.
+    /// Forward kinematics: pose of the tool in the base frame for joint positions in rad.
     #[must_use]
     pub fn forward(&self, joints: &[f64]) -> Pose {
         self.model.forward(joints) * self.tool
     }
 
-    /// The joints that bring the tool to a pose, near to `hint`, the elbow as in `elbow`.
+    /// Inverse kinematics: joint positions for a tool pose, near `hint`, with the arm angle of `elbow`.
     pub(super) fn inverse(
         &self,
         pose: &Pose,
@@ -30,12 +30,12 @@ impl Arm {
             .inverse_with_elbow(&flange, hint, elbow, &self.limits[..self.axes()])
     }
 
-    /// The tool's velocity for joint positions and velocities: linear (m/s), then angular (rad/s).
+    /// Velocity of the tool for joint positions and velocities: linear (m/s), then angular (rad/s).
     pub(super) fn twist(&self, joints: &PerAxis, velocities: &PerAxis) -> Vector6<f64> {
         self.jacobian(joints) * SMatrix::<f64, MAX_AXES, 1>::from(*velocities)
     }
 
-    /// What a force and a torque at the tool mean for each joint, in N m.
+    /// Joint torques, in N m, for a force and torque at the tool.
     pub(super) fn torques(&self, joints: &PerAxis, wrench: &Vector6<f64>) -> PerAxis {
         (self.jacobian(joints).transpose() * wrench).into()
     }
@@ -45,9 +45,9 @@ impl Arm {
         jacobian::geometric(&self.model.chain, joints, &tool)
     }
 
-    /// How fast the arm angle changes for joint positions and velocities, in rad/s; 0 for an arm without one.
+    /// Rate of change of the arm angle for joint positions and velocities, in rad/s; 0 for an arm without redundancy.
     pub(super) fn elbow_velocity(&self, joints: &PerAxis, velocities: &PerAxis) -> f64 {
-        /// Half the time over which the angle is compared, in s: its square is the error.
+        /// Half the interval of the central difference, in s; the error grows with its square.
         const HALF: f64 = 1e-5;
         let Inverse::Srs(geometry) = self.model.inverse else {
             return 0.0;
@@ -60,19 +60,19 @@ impl Arm {
         rpi_kin::angle::wrap(angle(HALF) - angle(-HALF)) / (2.0 * HALF)
     }
 
-    /// The state of one axis as it was last commanded; at rest at 0 if there is no such axis.
+    /// Commanded state of one axis; at rest at 0 if the axis does not exist.
     pub(super) fn commanded_at(&self, axis: usize) -> State {
         self.axes
             .get(axis)
             .map_or(State::default(), |axis| axis.commanded)
     }
 
-    /// The same as measured.
+    /// Measured state of one axis; at rest at 0 if the axis does not exist.
     pub(super) fn measured_at(&self, axis: usize) -> State {
         self.history.read().get(axis).copied().unwrap_or_default()
     }
 
-    /// The states of all axes as they were last commanded, one part of each.
+    /// One component of the commanded states of all axes.
     pub(super) fn commanded(&self, part: fn(&State) -> f64) -> PerAxis {
         let mut all = [0.0; MAX_AXES];
         all.iter_mut()
@@ -81,22 +81,22 @@ impl Arm {
         all
     }
 
-    /// The same as measured.
+    /// One component of the measured states of all axes.
     pub(super) fn measured(&self, part: fn(&State) -> f64) -> PerAxis {
         core::array::from_fn(|axis| part(&self.history.read()[axis]))
     }
 
-    /// What the joints feel of a contact at the tool, in N m.
+    /// Joint torques caused by a contact at the tool, in N m.
     pub(super) fn external_torques(&self) -> PerAxis {
         self.torques(&self.measured(|state| state.position), &self.state.contact)
     }
 
-    /// The joint positions as they were last commanded, in rad.
+    /// Commanded joint positions, in rad.
     pub fn joints(&self) -> impl Iterator<Item = f64> + '_ {
         self.axes.iter().map(|axis| axis.commanded.position)
     }
 
-    /// The tool's pose as it was last commanded.
+    /// Commanded pose of the tool in the base frame.
     #[must_use]
     pub fn pose(&self) -> Pose {
         self.forward(&self.commanded(|state| state.position)[..self.axes()])

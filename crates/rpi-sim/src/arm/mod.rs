@@ -1,8 +1,8 @@
-//! A simulated robot arm: takes set-points as a real controller does, or refuses them; follows them; brakes on its own when
-//! it is left alone.
+//! A simulated robot arm. It accepts or rejects set-points as a real controller does, follows them, and brakes on its
+//! own when set-points are missing.
 //!
-//! It is a kinematic model: the drives go where they are told, and what is measured follows with a first-order lag. A
-//! set-point of a command that runs every n ticks is approached evenly over these n ticks.
+//! The model is kinematic: drives reach their commanded positions exactly, and measured positions follow with a
+//! first-order lag. Set-points of a command with a period of n ticks are interpolated linearly over these n ticks.
 
 mod axis;
 mod brake;
@@ -30,30 +30,30 @@ pub struct Arm {
     model: &'static ArmModel,
     tool: Pose,
     axes: Vec<Axis>,
-    /// The axes' limits once more, side by side, as kinematics wants them.
+    /// Limits of the axes as an array, for the inverse kinematics.
     limits: [AxisLimits; MAX_AXES],
     enforced: Enforced,
     /// Length of a tick, in s.
     tick: f64,
-    /// The time, in s.
+    /// Simulated time, in s.
     time: f64,
-    /// Ticks from one set-point to the next.
+    /// Ticks between set-points.
     pace: u32,
-    /// Ticks until the drives are where they were told to be.
+    /// Ticks until the drives reach their commanded positions.
     left: u32,
-    /// On its way to rest by itself.
+    /// The stop in progress, while the arm brakes on its own.
     brake: Option<Brake>,
-    /// Somebody asked it to stop.
+    /// A stop was requested in this tick.
     told_to_stop: bool,
-    /// What is wrong with the arm as a whole.
+    /// Error code of the arm as a whole.
     code: Code,
-    /// What it has against the last pose that it was asked to take.
+    /// Error code of the last pose set-point.
     pose_code: Code,
     surface: Option<Surface>,
     faults: Vec<Fault>,
     state: Troubles,
     history: History,
-    /// The share of the way that a measured position makes up in a tick.
+    /// Fraction of the difference by which a measured position follows in a tick.
     share: f64,
     latency: f64,
     deviation: f64,
@@ -64,7 +64,7 @@ pub struct Arm {
     reports_lost: u64,
 }
 
-/// What is wrong with the arm in this tick.
+/// Effects of the active faults in this tick.
 #[derive(Clone, Copy, Debug, Default)]
 struct Troubles {
     samples_lost: bool,
@@ -74,18 +74,18 @@ struct Troubles {
     contact: Vector6<f64>,
 }
 
-/// Tool, impedances of the joints, impedance and sine at the tool.
+/// Number of parameters with several values: tool, impedance and sine at the tool, impedance of each joint.
 const PARAMETERS: usize = 3 + MAX_AXES;
 const LARGEST_PARAMETER: usize = 18;
 
-/// So many reports are kept until somebody fetches them.
+/// Capacity for pending reports.
 const REPORTS: usize = 64;
 
-/// The LWR's number for position control; 20 and 30 are Cartesian and joint impedance.
+/// Position control in the numbering of the KUKA LWR; 20 and 30 are Cartesian and joint impedance.
 const POSITION_CONTROL: i64 = 10;
 
 impl Arm {
-    /// An arm at rest. `tick` is the length of a tick in s, `device` its number in the cell, which chooses its noise.
+    /// An arm at rest. `tick` is the tick in s; `device` is its index in the cell, which selects its noise.
     #[must_use]
     pub fn new(spec: &ArmSpec, tick: f64, seed: u64, device: usize) -> Self {
         let axes: Vec<Axis> = spec
@@ -135,20 +135,20 @@ impl Arm {
         arm
     }
 
-    /// Adds a fault to those that are planned. Not for the cycle: it may allocate.
+    /// Schedules a fault. Allocates, so not for the cycle.
     pub fn inject(&mut self, fault: Fault) {
         self.faults.retain(|fault| fault.until > self.time);
         self.faults.push(fault);
         self.make_room();
     }
 
-    /// The number of axes.
+    /// Number of axes.
     #[must_use]
     pub fn axes(&self) -> usize {
         self.axes.len()
     }
 
-    /// What is wrong with the arm: as a whole, or with the first axis that is not well.
+    /// Error code of the arm as a whole, or of the first axis with an error.
     #[must_use]
     pub fn code(&self) -> Code {
         let axes = self.axes.iter().map(|axis| axis.code);
@@ -159,7 +159,7 @@ impl Arm {
     }
 }
 
-/// The ports of an arm, for people.
+/// Descriptions of an arm's ports, for the manual.
 pub(crate) fn ports() -> impl Iterator<Item = crate::device::PortInfo> {
     table::PORTS.iter().map(|line| line.head.info())
 }

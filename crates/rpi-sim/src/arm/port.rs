@@ -1,4 +1,4 @@
-//! The arm's ports at work: reading, checking and staging set-points, calling functions.
+//! Access to the arm's ports: reading sensors, checking and staging set-points, calling functions.
 
 use super::guard::{State, Violation};
 use super::table::{Act, Line, PORTS, Parameter, Target};
@@ -16,7 +16,8 @@ impl Arm {
         PORTS.get(usize::from(slot.line))
     }
 
-    /// The states that a set-point leads to: of one axis, or of all. Entries that it does not touch are `None`.
+    /// Checks a set-point of one axis or of all. Returns the resulting states, `None` for axes that it does not set;
+    /// the error names the axis.
     fn judge(
         &self,
         target: Target,
@@ -73,7 +74,7 @@ impl Arm {
         }
     }
 
-    /// Whether the arm brakes as a whole and has told so to who sets some of these axes.
+    /// True if the arm brakes as a whole and has reported this for one of the axes in `staged`.
     fn is_held_by_brake(&self, staged: &Staged) -> bool {
         let mut axes = self.axes.iter().zip(staged);
         self.brake.is_some() && axes.any(|(axis, s)| s.is_some() && axis.code == Code::BRAKING)
@@ -85,7 +86,7 @@ impl Arm {
             .is_some_and(|axis| axis.code.is_failure())
     }
 
-    /// What was wrong with these axes is not any more.
+    /// Clears the errors of rejected set-points on these axes.
     fn absolve(&mut self, staged: &Staged) {
         self.pose_code = Code::OK;
         let axes = self.axes.iter_mut().zip(staged);
@@ -93,7 +94,7 @@ impl Arm {
         set.for_each(|(axis, _)| axis.forget_refusal());
     }
 
-    /// What is wrong with an axis, be it with the whole arm.
+    /// Error code of the arm as a whole, or of the axis.
     pub(super) fn axis_code(&self, axis: usize) -> Code {
         if self.code == Code::OK {
             self.axes.get(axis).map_or(Code::OK, |axis| axis.code)
@@ -102,7 +103,7 @@ impl Arm {
         }
     }
 
-    /// What is wrong with the arm, an axis of it, or the pose it was last asked to take.
+    /// Error code of the arm, of one of its axes, or of the last pose set-point.
     pub(super) fn any_code(&self) -> Code {
         if self.code() == Code::OK {
             self.pose_code
@@ -111,7 +112,7 @@ impl Arm {
         }
     }
 
-    /// Whether the arm takes a parameter: finite numbers, no negative mass, a way of control that it knows.
+    /// True if the arm accepts a parameter: finite numbers, no negative mass, a known control strategy.
     fn takes(&self, parameter: Parameter, value: &[u64]) -> bool {
         let first = value.first().copied().unwrap_or_default();
         let finite = value.iter().all(|bits| f64::from_bits(*bits).is_finite());
@@ -141,27 +142,27 @@ impl Arm {
         }
     }
 
-    /// The way of control that was last asked for: 10 position, 20 Cartesian impedance, 30 joint impedance.
+    /// The requested control strategy: 10 position, 20 Cartesian impedance, 30 joint impedance.
     #[must_use]
     pub fn strategy(&self) -> i64 {
         self.strategy
     }
 
-    /// Mass (kg), centre of mass (m), moments of inertia (kg m²) and tool centre point (m) as they were last told.
+    /// The requested tool load: mass (kg), centre of mass (m), moments of inertia (kg m²), tool centre point (m).
     #[must_use]
     pub fn load(&self) -> &[f64] {
         &self.parameters[place(Parameter::Tool, 0)][..10]
     }
 }
 
-/// Where [`Arm::load`] finds its numbers in mass, centre of mass as a pose, moments of inertia, tool centre point as a
-/// pose: of poses it takes the positions.
+/// Indices of the numbers of [`Arm::load`] in a value of `tool_and_tcp`: mass, centre of mass as a pose, moments of
+/// inertia, tool centre point as a pose. Only the positions of the poses are used.
 const LOAD: [usize; 10] = [0, 1, 2, 3, 8, 9, 10, 11, 12, 13];
 
-/// The states of axes that a set-point leads to.
+/// States of the axes that a set-point sets.
 type Staged = [Option<State>; MAX_AXES];
 
-/// Where the values of a parameter are kept; also its number among the actuators that follow the axes.
+/// Index of a parameter's values; also its resource number after those of the axes.
 fn place(parameter: Parameter, index: usize) -> usize {
     match parameter {
         Parameter::Tool | Parameter::ToolAndTcp => 0,
@@ -172,7 +173,7 @@ fn place(parameter: Parameter, index: usize) -> usize {
     }
 }
 
-/// What a switch is held against: jerk would need a third set-point from before it.
+/// Limits for the continuity check at a takeover. Jerk is excluded: it would need a third earlier set-point.
 const SMOOTH: Enforced = Enforced {
     position: true,
     velocity: true,
@@ -272,7 +273,7 @@ impl Device for Arm {
         let index = usize::from(slot.index);
         match Self::line(slot).map(|line| &line.act) {
             Some(Act::Move(target)) => {
-                // Judged again: a bank trusts nobody to have asked before.
+                // Checked again, because `write` does not rely on an earlier call of `check`.
                 let staged = self
                     .judge(*target, index, value, self.enforced)
                     .unwrap_or_default();

@@ -1,4 +1,4 @@
-//! What the arm's sensors give: measured states, late and noisy where the cell says so.
+//! Samples of the arm's sensors with a configurable latency.
 
 use super::guard::State;
 use rpi_kin::MAX_AXES;
@@ -6,20 +6,20 @@ use rpi_kin::MAX_AXES;
 /// The measured states of all axes at one tick.
 pub(super) type Sample = [State; MAX_AXES];
 
-/// The last samples, of which one is read.
+/// Ring buffer of the latest samples.
 #[derive(Clone, Debug)]
 pub(super) struct History {
     ring: Vec<Sample>,
     newest: usize,
-    /// How many ticks old the sample is that is read.
+    /// Age of the current sample, in ticks.
     age: usize,
 }
 
-/// No sample is older than this many ticks.
+/// Maximum age of a sample, in ticks.
 const OLDEST: usize = 100_000;
 
 impl History {
-    /// All samples alike, with room for samples of this age in ticks.
+    /// A history filled with copies of one sample, for ages up to `oldest` ticks.
     pub(super) fn new(sample: Sample, oldest: usize) -> Self {
         Self {
             ring: vec![sample; oldest.min(OLDEST) + 1],
@@ -28,19 +28,19 @@ impl History {
         }
     }
 
-    /// Adds a sample; from now on the one `age` ticks older is read, or the oldest there is.
+    /// Adds a sample. The current sample becomes the one that is `age` ticks older, or the oldest available.
     pub(super) fn add(&mut self, sample: Sample, age: usize) {
         self.newest = (self.newest + 1) % self.ring.len();
         self.ring[self.newest] = sample;
         self.age = age.min(self.ring.len() - 1);
     }
 
-    /// The sample that is read.
+    /// The current sample.
     pub(super) fn read(&self) -> &Sample {
         &self.ring[(self.newest + self.ring.len() - self.age) % self.ring.len()]
     }
 
-    /// Makes room for samples of this age; those in between are filled with the oldest.
+    /// Extends the buffer to ages up to `oldest` ticks; new entries are copies of the oldest sample.
     pub(super) fn reserve(&mut self, oldest: usize) {
         let wanted = oldest.min(OLDEST) + 1;
         if wanted > self.ring.len() {

@@ -1,4 +1,4 @@
-//! What happens to an arm from tick to tick.
+//! Simulation of an arm from tick to tick.
 
 use super::axis::Axis;
 use super::brake::Brake;
@@ -9,7 +9,7 @@ use crate::device::Report;
 use crate::fault::Trouble;
 
 impl Arm {
-    /// Lets one tick pass, which ends at `time` (s): set-points are taken, drives move, sensors see it.
+    /// Simulates one tick that ends at `time` (s): applies set-points, moves the drives, takes samples.
     pub fn step(&mut self, time: f64) {
         self.time = time;
         self.weather();
@@ -25,7 +25,7 @@ impl Arm {
         self.sense();
     }
 
-    /// What becomes of this tick: follow the set-points, brake, or stand.
+    /// Decides what happens in this tick: follow set-points, brake, or stand still.
     fn decide(&mut self) {
         let told = core::mem::take(&mut self.told_to_stop);
         if told || self.has_failed() {
@@ -33,6 +33,7 @@ impl Arm {
         }
         let came = self.axes.iter().any(|axis| axis.staged.is_some());
         let left_alone = self.axes.iter().any(Axis::is_left_alone);
+        // The tuple: some axis has a set-point, some moving axis has none, the arm brakes.
         match (came, left_alone, self.brake.is_some()) {
             (true, false, _) => self.take_set_points(),
             (true, true, true) => self.refuse_to_leave_brake(),
@@ -58,7 +59,7 @@ impl Arm {
         self.begin_braking();
     }
 
-    /// The arm brakes as a whole: who sets only some of what moves is told that it does not follow.
+    /// Rejects set-points for a part of the moving axes while the arm brakes as a whole.
     fn refuse_to_leave_brake(&mut self) {
         for axis in 0..self.axes.len() {
             if self.axes[axis].staged.is_some() {
@@ -96,7 +97,7 @@ impl Arm {
         }
     }
 
-    /// Braking can take an axis beyond its range: nothing can help that, but it is told.
+    /// Reports axes that leave their range while braking. Braking cannot prevent this.
     fn watch_ranges(&mut self) {
         for axis in 0..self.axes.len() {
             let (range, at) = (self.axes[axis].limits.position, self.axes[axis].driven);
@@ -139,19 +140,19 @@ impl Arm {
         self.history.add(sample, age);
     }
 
-    /// Whether it moves, or is about to because it has not reached its last set-point. What it was just told counts in place of
-    /// how it moved before: who tells it to stay where it is has brought it to rest.
+    /// True if the arm moves or has not reached its last set-point. A staged set-point takes precedence over the
+    /// present velocity: a set-point at the present position brings an axis to rest.
     pub(super) fn is_moving(&self) -> bool {
         let moves = |axis: &Axis| axis.staged.unwrap_or(axis.commanded).is_moving();
         self.brake.is_some() || self.left > 0 || self.axes.iter().any(moves)
     }
 
-    /// Whether the arm or one of its joints has failed.
+    /// True if the arm or one of its joints has failed.
     pub(super) fn has_failed(&self) -> bool {
         self.code.is_failure() || self.axes.iter().any(|axis| axis.code.is_failure())
     }
 
-    /// Which faults are on now.
+    /// Computes the effects of the faults that are active now.
     pub(super) fn weather(&mut self) {
         self.state = Troubles::default();
         let mut whole = Code::OK;
@@ -171,13 +172,13 @@ impl Arm {
             }
         }
         if let Some(surface) = self.surface {
-            // The third part is the force along z.
+            // Component 2 is the force along z.
             self.state.contact[2] += surface.push(self.pose().translation.z);
         }
         self.fail(whole, &failed);
     }
 
-    /// Sets and takes back failures; each that is new is reported once.
+    /// Sets and clears failures. Each new failure is reported once.
     fn fail(&mut self, whole: Code, failed: &[bool]) {
         if whole != self.code && whole != Code::OK {
             self.report(None, Violation::of(whole));
@@ -193,7 +194,7 @@ impl Arm {
         }
     }
 
-    /// Notes what is wrong with an axis; reported when it was not wrong in this way before.
+    /// Sets the error code of an axis. Reports it if it is new.
     pub(super) fn blame(&mut self, axis: usize, violation: Violation) {
         if self.axes[axis].code != violation.code {
             self.report(Some(axis), violation);
@@ -216,7 +217,7 @@ impl Arm {
         });
     }
 
-    /// Room for the oldest sample that any fault may ask for.
+    /// Reserves space for the largest latency that any fault may cause.
     pub(super) fn make_room(&mut self) {
         let delays = self.faults.iter().map(|fault| match fault.trouble {
             Trouble::Latency(delay) => delay,
@@ -227,7 +228,7 @@ impl Arm {
     }
 
     fn ticks(&self, time: f64) -> usize {
-        // Saturates: a time is never negative, and the history has its own bound.
+        // The conversion saturates. Times are never negative, and the history limits the age.
         (time / self.tick).ceil() as usize
     }
 }

@@ -1,47 +1,47 @@
-//! The ports of an arm, one line each. `docs/src/devices.md` tells their meaning; a test compares the two.
+//! Port table of an arm. `docs/src/devices.md` explains the ports; a test compares the two.
 //!
-//! The first part has the names that the primitives of the reference system ask for, the second those of the device type
-//! `Arm` of `.rpi`.
+//! The first part has the names used by the primitives of the reference system, the second part those of the device
+//! type `Arm` of `.rpi`.
 
 use super::{Arm, kinematics::PerAxis};
 use crate::device::{Carries, Head, Put, pose_from};
 use rpi_device::PortKind;
 use rpi_image::Scalar::{Bool, Int, Pose, Real, Twist};
 
-/// A line of the table.
+/// A row of the port table.
 pub(super) struct Line {
     pub(super) head: Head,
     pub(super) act: Act,
 }
 
-/// What a port does.
+/// Behaviour of a port.
 pub(super) enum Act {
-    /// Tells something; of an axis, if the port is indexed.
+    /// Reads a value; the index selects the axis if the port is indexed.
     Sense(fn(&Arm, usize, &mut Put<'_>)),
     /// Moves axes.
     Move(Target),
-    /// Sets a parameter: which one, for the port's index.
+    /// Sets a parameter; the index of the port selects among several.
     Parameter(Parameter),
-    /// Computes something; false if there is no result.
+    /// Computes a function; false if there is no result.
     Call(fn(&Arm, &[u64], &mut Put<'_>) -> bool),
 }
 
-/// What a set-point is for.
+/// Object that a set-point moves.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Target {
     /// One axis.
     Joint,
     /// All axes.
     Joints,
-    /// The tool.
+    /// The tool, in Cartesian space.
     Tool,
 }
 
-/// What a parameter is of.
+/// A parameter of the arm.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Parameter {
     Tool,
-    /// The tool, and the poses of its centre of mass and of its centre point.
+    /// Tool load with the centre of mass and the tool centre point given as poses.
     ToolAndTcp,
     Strategy,
     JointImpedance,
@@ -214,10 +214,10 @@ pub(super) const PORTS: &[Line] = &[
         Carries::Reals(7),
         velocity_kinematics,
     ),
-    // The device type of `.rpi`.
+    // Ports of the device type `Arm` of `.rpi`.
     actuator("tcp", POSE, false, Act::Move(Target::Tool)),
     actuator("joints", JOINTS, false, Act::Move(Target::Joints)),
-    // A program's arrays come one element at a time.
+    // Programs access arrays element by element.
     actuator("joints", REAL, true, Act::Move(Target::Joint)),
     of_axis("joints", REAL, |arm, axis, out| {
         out.real(arm.commanded(|s| s.position)[axis])
@@ -293,7 +293,7 @@ fn measured_pose(arm: &Arm, _: usize, out: &mut Put<'_>) {
     out.pose(&arm.forward(&arm.measured(|s| s.position)[..arm.axes()]));
 }
 
-/// So many reals from cell `from` on; `None` if there are not as many.
+/// Reads `count` reals from slot `from` on; `None` if there are too few.
 fn reals(cells: &[u64], from: usize, count: usize) -> Option<PerAxis> {
     let part = cells.get(from..from + count)?;
     let mut all = PerAxis::default();

@@ -1,4 +1,4 @@
-//! `kind = "arm"`.
+//! Devices with `kind = "arm"` and `kind = "linear-unit"`.
 
 use super::faults;
 use super::quantity::Dimension::{
@@ -10,50 +10,51 @@ use crate::fault::Fault;
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 use rpi_kin::{ArmModel, AxisLimits, models};
 
-/// What is known of an arm before it is switched on.
+/// Description of an arm.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ArmSpec {
-    /// Its type.
+    /// Model of the arm.
     pub model: &'static ArmModel,
-    /// Where its axes stand at first, in rad.
+    /// Initial joint positions, in rad (m for a linear unit).
     pub joints: Vec<f64>,
-    /// Where its base stands in the cell.
+    /// Pose of the base in the cell.
     pub base: Isometry3<f64>,
-    /// The tool in the flange.
+    /// Pose of the tool in the flange frame.
     pub tool: Isometry3<f64>,
-    /// The model's limits with the cell's overrides.
+    /// Limits of the model with the cell's overrides.
     pub limits: Vec<AxisLimits>,
-    /// Which limits a set-point is held against.
+    /// Limits that set-points are checked against.
     pub enforced: Enforced,
-    /// Time constant with which the measured position follows the commanded one, in s; 0 for at once.
+    /// Time constant of the first-order lag of measured positions, in s; 0 for no lag.
     pub lag: f64,
-    /// How old a sample is when it is read, in s.
+    /// Latency of samples, in s.
     pub latency: f64,
     /// Standard deviation of a measured joint position, in rad.
     pub noise: f64,
-    /// Something level under the tool that gives way like a spring, if there is something.
+    /// An elastic surface under the tool, if any.
     pub surface: Option<Surface>,
-    /// What will go wrong, and when.
+    /// Scheduled faults.
     pub faults: Vec<Fault>,
 }
 
-/// A level surface that pushes back like a spring.
+/// A horizontal surface that pushes back like a spring.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Surface {
-    /// Where it begins, in base coordinates, m.
+    /// Height of the surface in base coordinates, m.
     pub height: f64,
-    /// How hard it pushes back, N for each m that the tool is in it.
+    /// Stiffness, N per m of penetration.
     pub stiffness: f64,
 }
 
 impl Surface {
-    /// How hard it pushes a tool upwards that is at this height, N.
+    /// Upward force on a tool at this height, N.
     pub(crate) fn push(&self, tool: f64) -> f64 {
         self.stiffness * (self.height - tool).max(0.0)
     }
 }
 
-/// Which limits a set-point is held against. Reach, range of numbers and joining where the arm stands always are.
+/// Limits that set-points are checked against. Reachability, finiteness and the distance of the first set-point are
+/// always checked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Enforced {
     /// Joint ranges.
@@ -68,7 +69,7 @@ pub struct Enforced {
 
 const ENFORCEABLE: &[&str] = &["position", "velocity", "acceleration", "jerk"];
 
-/// What an axis is measured in: position, velocity, acceleration, jerk.
+/// Dimensions of an axis: position, velocity, acceleration, jerk.
 type Units = [Dimension; 4];
 
 const TURNING: Units = [Angle, AngularVelocity, AngularAcceleration, AngularJerk];
@@ -76,7 +77,7 @@ const SLIDING: Units = [Length, Velocity, Acceleration, Jerk];
 
 pub(super) fn read(reader: &mut Reader<'_>) -> Option<ArmSpec> {
     let Some(model) = read_model(reader) else {
-        // What the other keys may say depends on the model: nothing is said about them, but that they are known.
+        // The valid values of the other keys depend on the model. Without a model, the keys only count as known.
         reader.assume(|other| drop(read_of(other, models::ALL[0], TURNING)));
         return None;
     };
@@ -85,7 +86,7 @@ pub(super) fn read(reader: &mut Reader<'_>) -> Option<ArmSpec> {
     Some(spec)
 }
 
-/// `kind = "linear-unit"`: an arm of one axis that slides.
+/// Reads `kind = "linear-unit"`: an arm with one prismatic axis.
 pub(super) fn read_linear(reader: &mut Reader<'_>) -> Option<ArmSpec> {
     let spec = read_of(reader, &models::linear::LINEAR_UNIT, SLIDING);
     check_start(reader, &spec);
@@ -113,7 +114,7 @@ fn read_of(reader: &mut Reader<'_>, model: &'static ArmModel, units: Units) -> A
     }
 }
 
-/// `{ height = length, stiffness = N/m }`.
+/// Reads `{ height = length, stiffness = N/m }`.
 fn read_surface(reader: &mut Reader<'_>) -> Option<Surface> {
     let mut surface = reader.table("surface")?;
     let read = Surface {
@@ -129,7 +130,7 @@ fn read_model(reader: &mut Reader<'_>) -> Option<&'static ArmModel> {
     let given = reader.word("model", &known);
     if given.is_none() && !reader.has("model") {
         let help = did_you_mean("", &known);
-        reader.fault_at("model", "an arm needs a `model`".to_owned(), Some(help));
+        reader.fault_at("model", "`model` is missing".to_owned(), Some(help));
     }
     given.and_then(models::by_id)
 }
@@ -140,14 +141,14 @@ fn check_start(reader: &Reader<'_>, spec: &ArmSpec) {
             let (lower, upper) = (limits.position.lower, limits.position.upper);
             reader.fault_at(
                 "joints",
-                format!("joint {axis} stands at {joint}, outside of its range"),
-                Some(format!("its range is {lower:.4} to {upper:.4}")),
+                format!("initial position {joint} of joint {axis} is out of range"),
+                Some(format!("the range is {lower:.4} to {upper:.4}")),
             );
         }
     }
 }
 
-/// `{ position = [x, y, z], rpy = [roll, pitch, yaw] }` or with `quaternion = [x, y, z, w]`.
+/// Reads `{ position = [x, y, z], rpy = [roll, pitch, yaw] }`, or the same with `quaternion = [x, y, z, w]`.
 fn read_pose(reader: &mut Reader<'_>, key: &'static str) -> Isometry3<f64> {
     let Some(mut pose) = reader.table(key) else {
         return Isometry3::identity();
@@ -160,7 +161,7 @@ fn read_pose(reader: &mut Reader<'_>, key: &'static str) -> Isometry3<f64> {
     if rpy.is_some() && quaternion.is_some() {
         pose.fault_at(
             "rpy",
-            "both `rpy` and `quaternion` are given".to_owned(),
+            "`rpy` and `quaternion` cannot be combined".to_owned(),
             None,
         );
     }
@@ -176,7 +177,7 @@ fn read_pose(reader: &mut Reader<'_>, key: &'static str) -> Isometry3<f64> {
     )
 }
 
-/// `Rz(yaw) Ry(pitch) Rx(roll)`, by arithmetic that is the same everywhere.
+/// Rotation `Rz(yaw) Ry(pitch) Rx(roll)`, with arithmetic that gives the same bits on every machine.
 fn turned(roll: f64, pitch: f64, yaw: f64) -> UnitQuaternion<f64> {
     let about = |angle: f64, x: f64, y: f64, z: f64| {
         let (sin, cos) = libm::sincos(angle / 2.0);
@@ -189,14 +190,14 @@ fn unit(reader: &Reader<'_>, quaternion: Quaternion<f64>) -> UnitQuaternion<f64>
     let length = quaternion.norm();
     if (length - 1.0).abs() > 1e-3 {
         let message = format!("`quaternion` has length {length:.4}, expected 1");
-        let help = "its order is x, y, z, w".to_owned();
+        let help = "the order is x, y, z, w".to_owned();
         reader.fault_at("quaternion", message, Some(help));
         return UnitQuaternion::identity();
     }
     UnitQuaternion::new_unchecked(quaternion / length)
 }
 
-/// The model's limits, each key of `limits` replacing one of them for all axes or for each.
+/// The model's limits; each key of `limits` replaces one limit for all axes or for each.
 fn read_limits(reader: &mut Reader<'_>, own: &[AxisLimits], units: Units) -> Vec<AxisLimits> {
     let mut limits = own.to_vec();
     let Some(mut table) = reader.table("limits") else {

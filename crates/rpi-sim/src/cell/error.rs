@@ -1,35 +1,36 @@
-//! What is wrong with a cell description, each fault with its place.
+//! Errors in a cell description, with their positions.
 
 use core::fmt;
 use core::ops::Range;
 
-/// One fault in a cell description.
+/// An error in a cell description.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CellError {
-    /// Where, as a range of bytes of the text.
+    /// Byte range of the error in the text.
     pub span: Range<usize>,
-    /// What is wrong: lower case, no full stop.
+    /// The message: lower case, no full stop.
     pub message: String,
-    /// What would be right, if that can be said.
+    /// Suggested correction, if any.
     pub help: Option<String>,
 }
 
-/// How many characters of a line are shown at most.
+/// Maximum number of characters shown of a line.
 const WIDEST: usize = 120;
 
-/// All faults of one description, in the order of their places. Prints each with file, line, column and the line itself.
+/// All errors of one description, in the order of their positions. `Display` prints each with file, line, column and
+/// source line.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CellErrors {
-    /// The file's name, as given by the caller.
+    /// Name of the file, as passed by the caller.
     pub file: String,
-    /// The text, for the printing.
+    /// Text of the description, for printing source lines.
     pub text: String,
-    /// The faults; never empty.
+    /// The errors; never empty.
     pub errors: Vec<CellError>,
 }
 
 impl CellErrors {
-    /// Line and column of a fault, both from 1, the column in characters.
+    /// Line and column of an error, both from 1; the column counts characters.
     #[must_use]
     pub fn place(&self, error: &CellError) -> (usize, usize) {
         let before = self.text.get(..error.span.start).unwrap_or(&self.text);
@@ -44,7 +45,7 @@ impl CellErrors {
         let marked = self.text.get(error.span.clone()).unwrap_or("");
         let width = marked.lines().next().unwrap_or("").chars().count();
         let width = width.clamp(1, WIDEST / 2);
-        // Of a long line only what is around the fault.
+        // Shows only the part of a long line around the error.
         let left_out = (column - 1).saturating_sub(WIDEST / 2);
         let text: String = text.chars().skip(left_out).take(WIDEST).collect();
         let gutter = line.to_string().len();

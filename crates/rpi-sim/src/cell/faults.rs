@@ -1,14 +1,14 @@
-//! `[[devices.NAME.faults]]`: what will go wrong with an arm, and when.
+//! Scheduled faults of an arm: `[[devices.NAME.faults]]`.
 
 use super::quantity::Dimension::{Angle, Force, Time, Torque};
 use super::reader::Reader;
 use crate::fault::{Fault, Trouble};
 use nalgebra::Vector6;
 
-/// Reads the keys of one trouble; the number is that of the arm's axes.
+/// Reads the keys of one kind of fault; the number is the number of axes.
 type ReadTrouble = fn(&mut Reader<'_>, usize) -> Option<Trouble>;
 
-/// The words for `trouble = "..."`.
+/// Values of the key `trouble`.
 const TROUBLES: &[(&str, ReadTrouble)] = &[
     ("joint-failure", |reader, axes| {
         let axis = required(reader, "axis", |reader| reader.index("axis", axes as u64))?;
@@ -68,7 +68,7 @@ fn read_one(mut reader: Reader<'_>, axes: usize) -> Option<Fault> {
     })
 }
 
-/// Reads a key and notes a fault if it is not there.
+/// Reads a required key. Reports an error if the key is missing.
 fn required<'a, T>(
     reader: &mut Reader<'a>,
     key: &'static str,

@@ -1,42 +1,42 @@
-//! `kind = "digital-io"`, `"analogue-io"` and `"io"`, which has both.
+//! Terminals: `kind = "digital-io"`, `"analogue-io"`, and `"io"` with both.
 
 use super::quantity::Dimension::{Number, Time};
 use super::reader::{Reader, integer};
 
-/// A terminal of inputs and outputs.
+/// Description of a block of input and output terminals.
 #[derive(Clone, Debug, PartialEq)]
 pub struct IoSpec {
-    /// Truth values.
+    /// Digital inputs and outputs.
     pub digital: Signal<bool>,
-    /// Reals, in whatever unit is wired to them.
+    /// Analogue inputs and outputs, in the unit of the wired signal.
     pub analogue: Signal<f64>,
 }
 
-/// The inputs and outputs of one type.
+/// Inputs and outputs of one type.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Signal<T> {
-    /// What the inputs read at first.
+    /// Initial values of the inputs.
     pub inputs: Vec<T>,
-    /// What the outputs are set to at first.
+    /// Initial values of the outputs.
     pub outputs: Vec<T>,
-    /// How the inputs change, in the order of time.
+    /// Changes of the inputs, in order of time.
     pub script: Vec<Change<T>>,
-    /// After how many seconds the script starts again; infinity if never.
+    /// Period of the script, in s; infinity if it does not repeat.
     pub repeat: f64,
 }
 
 /// One change of an input.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Change<T> {
-    /// When, in s of the cell's time (or since the script last started).
+    /// Time of the change in s, since the start of the cell or of the repeated script.
     pub at: f64,
-    /// Which input, from 0.
+    /// Index of the input, from 0.
     pub input: usize,
-    /// What it reads from then on.
+    /// New value of the input.
     pub value: T,
 }
 
-/// A value that an input can have.
+/// A type of input values.
 pub(super) trait Read: Sized + Copy + Default {
     const WANTED: &'static str;
     fn list(reader: &mut Reader<'_>, key: &'static str, count: usize) -> Option<Vec<Self>>;
@@ -53,7 +53,7 @@ impl Read for bool {
         if values.is_none() {
             reader.fault_at(
                 key,
-                format!("`{key}` is a number of ports or a list of true and false"),
+                format!("expected a number of ports or a list of Booleans for `{key}`"),
                 None,
             );
         }
@@ -77,7 +77,7 @@ impl Read for f64 {
     }
 }
 
-/// No terminal has more ports than this.
+/// Maximum number of inputs or outputs of a terminal block.
 const MOST: u64 = 4096;
 
 pub(super) fn read_digital(reader: &mut Reader<'_>) -> Option<IoSpec> {
@@ -131,7 +131,7 @@ fn read_signal<T: Read>(reader: &mut Reader<'_>) -> Signal<T> {
     script.sort_by(|one, other| one.at.total_cmp(&other.at));
     let repeat = reader.magnitude("repeat", Time).unwrap_or(f64::INFINITY);
     if script.last().is_some_and(|last| last.at >= repeat) {
-        let message = "`repeat` starts the script again before its last change".to_owned();
+        let message = "`repeat` must be later than the last change of the script".to_owned();
         reader.fault_at("repeat", message, None);
     }
     Signal {
@@ -142,7 +142,7 @@ fn read_signal<T: Read>(reader: &mut Reader<'_>) -> Signal<T> {
     }
 }
 
-/// A number of ports, all at rest, or a list of what they are at first.
+/// Reads a number of ports, all initially 0, or a list of their initial values.
 fn read_ports<T: Read>(reader: &mut Reader<'_>, key: &'static str) -> Vec<T> {
     let count = match reader.peek(key) {
         Some(node) if integer(node).is_some() => {
@@ -161,7 +161,7 @@ fn read_change<T: Read>(mut reader: Reader<'_>, inputs: usize) -> Option<Change<
     let value = T::one(&mut reader, "value");
     for key in ["at", "input", "value"] {
         if !reader.has(key) {
-            let help = (key == "value").then(|| format!("it is {}", T::WANTED));
+            let help = (key == "value").then(|| format!("expected {}", T::WANTED));
             reader.fault_at(key, format!("`{key}` is missing"), help);
         }
     }

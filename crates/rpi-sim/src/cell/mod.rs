@@ -1,6 +1,6 @@
-//! What `cell.toml` says: the devices of a cell by name.
+//! Cell descriptions (`cell.toml`): the devices of a robot cell by name.
 //!
-//! Reading never stops at the first fault; what is returned is either a complete cell or all faults with their places.
+//! Parsing does not stop at the first error. The result is either a complete cell or all errors with their positions.
 
 mod arm;
 mod error;
@@ -19,45 +19,45 @@ pub use other::{BaseSpec, ForceSpec, GripperSpec};
 use reader::{Faults, Reader};
 use toml::de::DeTable;
 
-/// The devices of a cell and what they have in common.
+/// A robot cell: its devices and common settings.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct Cell {
-    /// What people call it; empty if it was not said.
+    /// Display name; empty if not set.
     pub name: String,
-    /// Where the noise of all devices starts; the same seed gives the same bits.
+    /// Seed for the noise of all devices. The same seed gives the same bits.
     pub seed: u64,
-    /// The devices, in the order of the text.
+    /// The devices, in text order.
     pub devices: Vec<DeviceSpec>,
 }
 
-/// One device.
+/// Description of one device.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DeviceSpec {
-    /// Its name, by which programs ask for it.
+    /// Name by which programs refer to the device.
     pub name: String,
-    /// What it is.
+    /// Kind of the device, with its settings.
     pub kind: Kind,
 }
 
-/// What a device is.
+/// Kind of a device, with its settings.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Kind {
-    /// A robot arm, or an axis that slides.
+    /// A robot arm or a linear axis.
     Arm(ArmSpec),
     /// Digital or analogue inputs and outputs, or both.
     Io(IoSpec),
-    /// A platform with two driven wheels.
+    /// A mobile base with two driven wheels.
     Base(BaseSpec),
     /// A gripper with two fingers.
     Gripper(GripperSpec),
-    /// A force and torque sensor.
+    /// A force/torque sensor.
     Force(ForceSpec),
 }
 
 /// Reads the keys of one kind of device.
 type ReadKind = fn(&mut Reader<'_>) -> Option<Kind>;
 
-/// The kinds that `kind = "..."` may name.
+/// Values of the key `kind`.
 const KINDS: &[(&str, ReadKind)] = &[
     ("arm", |reader| arm::read(reader).map(Kind::Arm)),
     ("digital-io", |reader| {
@@ -80,10 +80,10 @@ const KINDS: &[(&str, ReadKind)] = &[
 ];
 
 impl Cell {
-    /// Reads a description. `file` is only for messages.
+    /// Parses a description. `file` is used in messages only.
     ///
     /// # Errors
-    /// Every fault of the description, with its place.
+    /// Returns all errors of the description, with their positions.
     pub fn parse(file: &str, text: &str) -> Result<Self, CellErrors> {
         let faults = Faults::default();
         let (document, broken) = DeTable::parse_recoverable(text);
@@ -107,14 +107,14 @@ impl Cell {
         }
     }
 
-    /// What people call an actuator of a bank of these devices: the device, and the number within it.
+    /// Name of the device that owns a resource of a bank with these devices, and the resource within the device.
     #[must_use]
     pub fn actuator(&self, resource: u32) -> Option<(&str, u32)> {
         let (place, own) = crate::bank::split(resource);
         self.devices.get(place).map(|d| (d.name.as_str(), own))
     }
 
-    /// The kinds of devices and the keys that each of them knows: what the manual has to tell.
+    /// All kinds of devices with their keys, for the manual.
     #[must_use]
     pub fn kinds_and_keys() -> Vec<(&'static str, Vec<&'static str>)> {
         let faults = Faults::default();
@@ -126,7 +126,7 @@ impl Cell {
         KINDS.iter().map(keys).collect()
     }
 
-    /// The device of this name.
+    /// The device with this name.
     #[must_use]
     pub fn device(&self, name: &str) -> Option<&DeviceSpec> {
         self.devices.iter().find(|device| device.name == name)
@@ -154,7 +154,7 @@ fn read_devices(devices: &Reader<'_>) -> Vec<DeviceSpec> {
         match Reader::of(node, devices.faults()) {
             Some(device) => all.extend(read_device(name, device)),
             None => {
-                let message = format!("`{name}` is a device and needs a table of its own");
+                let message = format!("device `{name}` must be a table");
                 devices
                     .faults()
                     .add(span, message, Some(format!("write [devices.{name}]")));
@@ -168,7 +168,7 @@ fn read_device(name: &str, mut reader: Reader<'_>) -> Option<DeviceSpec> {
     let kinds: Vec<&'static str> = KINDS.iter().map(|(kind, _)| *kind).collect();
     let Some(kind) = reader.word("kind", &kinds) else {
         if !reader.has("kind") {
-            let help = format!("known are {}", kinds.join(", "));
+            let help = format!("expected one of {}", kinds.join(", "));
             reader.fault_at("kind", format!("device `{name}` has no `kind`"), Some(help));
         }
         return None;

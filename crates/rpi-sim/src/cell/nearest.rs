@@ -1,6 +1,6 @@
-//! "Did you mean": the known word nearest to one that is not known.
+//! Suggestions for misspelt words.
 
-/// The nearest of `known` to `word`, if it is near enough to be what was meant.
+/// The word of `known` nearest to `word`; `None` if none is near enough.
 pub(super) fn nearest<'a>(word: &str, known: &[&'a str]) -> Option<&'a str> {
     let ranked = known
         .iter()
@@ -9,7 +9,7 @@ pub(super) fn nearest<'a>(word: &str, known: &[&'a str]) -> Option<&'a str> {
     (distance <= (word.chars().count() / 3).max(1)).then_some(candidate)
 }
 
-/// How many letters must be put in, left out, changed or swapped with their neighbour (optimal string alignment).
+/// Edit distance with insertions, deletions, substitutions and transpositions of neighbours (optimal string alignment).
 fn distance(one: &str, other: &str) -> usize {
     let (one, other): (Vec<char>, Vec<char>) = (one.chars().collect(), other.chars().collect());
     let mut rows: Vec<Vec<usize>> = vec![(0..=other.len()).collect()];

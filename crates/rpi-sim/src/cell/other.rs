@@ -1,4 +1,4 @@
-//! `kind = "base"`, `"gripper"` and `"force-torque"`.
+//! Devices with `kind = "base"`, `"gripper"` and `"force-torque"`.
 
 use super::quantity::Dimension::{
     Acceleration, Angle, AngularAcceleration, AngularVelocity, Force, Length, Time, Torque,
@@ -7,46 +7,46 @@ use super::quantity::Dimension::{
 use super::reader::Reader;
 use nalgebra::Vector6;
 
-/// A platform with two driven wheels.
+/// Description of a mobile base with two driven wheels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BaseSpec {
-    /// Where it stands at first in the cell: x, y (m), heading (rad).
+    /// Initial pose in the cell: x, y (m), heading (rad).
     pub place: [f64; 3],
-    /// From wheel to wheel, in m.
+    /// Distance between the wheels, in m.
     pub track: f64,
-    /// In m.
+    /// Radius of the wheels, in m.
     pub wheel_radius: f64,
-    /// The most that it drives (m/s) and turns (rad/s).
+    /// Limits of forward velocity (m/s) and angular velocity (rad/s).
     pub velocity: [f64; 2],
-    /// The most that these change, per s.
+    /// Limits of forward acceleration (m/s²) and angular acceleration (rad/s²).
     pub acceleration: [f64; 2],
 }
 
-/// A gripper with two fingers.
+/// Description of a gripper with two fingers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GripperSpec {
-    /// How far it is open at first, in m.
+    /// Initial opening, in m.
     pub width: f64,
-    /// The least that it opens, in m.
+    /// Smallest opening, in m.
     pub lower: f64,
-    /// The most that it opens, in m.
+    /// Largest opening, in m.
     pub upper: f64,
-    /// How fast, in m/s.
+    /// Speed of opening and closing, in m/s.
     pub speed: f64,
-    /// How hard it presses, in N.
+    /// Grip force, in N.
     pub force: f64,
-    /// How wide it is what lies between the fingers, in m; nothing if nothing does.
+    /// Width of an object between the fingers, in m; `None` without an object.
     pub object: Option<f64>,
 }
 
-/// A force and torque sensor.
+/// Description of a force/torque sensor.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ForceSpec {
-    /// What it feels, from when on (s): force (N), then torque (N m).
+    /// Readings with their start times (s): force (N), then torque (N m).
     pub script: Vec<(f64, Vector6<f64>)>,
-    /// After how many seconds the script starts again; infinity if never.
+    /// Period of the script, in s; infinity if it does not repeat.
     pub repeat: f64,
-    /// Standard deviation of each reading, in N or N m.
+    /// Standard deviation of each component of a reading, in N or N m.
     pub noise: f64,
 }
 
@@ -81,12 +81,12 @@ pub(super) fn read_gripper(reader: &mut Reader<'_>) -> Option<GripperSpec> {
     if lower >= upper {
         reader.fault_at(
             "upper",
-            "the gripper opens no farther than it closes".to_owned(),
+            "`upper` must be greater than `lower`".to_owned(),
             None,
         );
     }
     if !(lower..=upper).contains(&width) {
-        let help = Some(format!("it opens from {lower} to {upper} m"));
+        let help = Some(format!("the range is {lower} to {upper} m"));
         reader.fault_at("width", format!("`width` is {width}, out of range"), help);
     }
     Some(GripperSpec {
@@ -110,7 +110,7 @@ pub(super) fn read_force(reader: &mut Reader<'_>) -> Option<ForceSpec> {
     })
 }
 
-/// `{ at = time, force = [x, y, z], torque = [x, y, z] }`; what is not said is 0.
+/// Reads `{ at = time, force = [x, y, z], torque = [x, y, z] }`. Missing keys are 0.
 fn read_wrench(mut reader: Reader<'_>) -> (f64, Vector6<f64>) {
     let at = reader.magnitude("at", Time).unwrap_or(0.0);
     let force = reader

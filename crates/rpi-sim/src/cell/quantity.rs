@@ -1,31 +1,31 @@
-//! Numbers with units: `0.5` is in the SI unit of its key, `"30 deg"` and `"30[deg]"` say theirs.
+//! Numbers with units. `0.5` is in the SI unit of its key; `"30 deg"` and `"30[deg]"` have explicit units.
 
-/// What a number measures.
+/// Physical dimension of a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Dimension {
-    /// A plain number.
+    /// A number without a unit.
     Number,
-    /// rad.
+    /// Angle, rad.
     Angle,
-    /// rad/s.
+    /// Angular velocity, rad/s.
     AngularVelocity,
-    /// rad/s².
+    /// Angular acceleration, rad/s².
     AngularAcceleration,
-    /// rad/s³.
+    /// Angular jerk, rad/s³.
     AngularJerk,
-    /// m.
+    /// Length, m.
     Length,
-    /// m/s.
+    /// Velocity, m/s.
     Velocity,
-    /// m/s².
+    /// Acceleration, m/s².
     Acceleration,
-    /// m/s³.
+    /// Jerk, m/s³.
     Jerk,
-    /// s.
+    /// Time, s.
     Time,
-    /// N.
+    /// Force, N.
     Force,
-    /// N m.
+    /// Torque, N m.
     Torque,
 }
 
@@ -36,7 +36,7 @@ use Dimension::{
 
 const DEGREE: f64 = core::f64::consts::PI / 180.0;
 
-/// Every unit that may be written, with its size in the SI unit of its dimension; that unit comes first.
+/// All units with their factors to the SI unit. The SI unit of each dimension comes first.
 const UNITS: &[(Dimension, &str, f64)] = &[
     (Angle, "rad", 1.0),
     (Angle, "deg", DEGREE),
@@ -65,11 +65,11 @@ const UNITS: &[(Dimension, &str, f64)] = &[
     (Torque, "Nm", 1.0),
 ];
 
-/// The value in SI units of a text like `30 deg`; or the help for what is wrong with it.
+/// Parses a text such as `30 deg` into SI units. The error is a help text.
 pub(super) fn parse(text: &str, dimension: Dimension) -> Result<f64, String> {
     let text = text.trim();
     let end = text.find(|c: char| !(c.is_ascii_digit() || "+-._eE".contains(c)));
-    // An `e` that begins a unit is none here, so the number ends where the first other letter stands.
+    // No unit starts with `e` or `E`, so an `e` belongs to the number.
     let (number, unit) = text.split_at(end.unwrap_or(text.len()));
     let unit = unit
         .trim()
@@ -108,7 +108,7 @@ fn units_of(dimension: Dimension) -> String {
     if names.is_empty() {
         return "this is a plain number without a unit".to_owned();
     }
-    format!("the units that fit here are {}", names.join(", "))
+    format!("expected one of the units {}", names.join(", "))
 }
 
 #[cfg(test)]

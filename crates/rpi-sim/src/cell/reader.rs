@@ -1,4 +1,4 @@
-//! Reading one table of a cell description: typed keys, every fault noted with its place, unknown keys found at the end.
+//! Reader for one table of a cell description: typed keys, errors with positions, detection of unknown keys.
 
 use super::error::CellError;
 use super::nearest::nearest;
@@ -8,7 +8,7 @@ use std::cell::RefCell;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// Where faults are collected while reading goes on.
+/// Collector of errors during parsing.
 #[derive(Default)]
 pub(super) struct Faults(RefCell<Vec<CellError>>);
 
@@ -21,7 +21,7 @@ impl Faults {
         });
     }
 
-    /// All of them, in the order of their places.
+    /// All errors, in the order of their positions.
     pub(super) fn sorted(self) -> Vec<CellError> {
         let mut all = self.0.into_inner();
         all.sort_by_key(|fault| (fault.span.start, fault.span.end));
@@ -29,7 +29,7 @@ impl Faults {
     }
 }
 
-/// One table. Which keys it may have follows from those that are asked for.
+/// Reader for one table. The keys that are read are the known keys of the table.
 pub(super) struct Reader<'a> {
     table: Option<&'a DeTable<'a>>,
     span: Range<usize>,
@@ -49,7 +49,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// A table without entries, to learn which keys are asked for.
+    /// A reader without entries, to find out which keys a function reads.
     pub(super) fn empty(faults: &'a Faults) -> Self {
         Self {
             table: None,
@@ -67,7 +67,7 @@ impl<'a> Reader<'a> {
         self.faults
     }
 
-    /// Counts the keys as asked for that `read` asks for, without reading them.
+    /// Marks the keys that `read` reads as known, without reading them.
     pub(super) fn assume(&mut self, read: impl FnOnce(&mut Reader<'_>)) {
         let faults = Faults::default();
         let mut other = Reader::empty(&faults);
@@ -75,12 +75,12 @@ impl<'a> Reader<'a> {
         self.asked.append(&mut other.asked);
     }
 
-    /// The keys that were asked for so far.
+    /// The keys read so far.
     pub(super) fn asked(self) -> Vec<&'static str> {
         self.asked
     }
 
-    /// The entries in the order of the text, for a table whose keys are names.
+    /// All entries in text order, for a table whose keys are names.
     pub(super) fn entries(&self) -> Vec<(&'a str, Range<usize>, Node<'a>)> {
         let entries = self.table.into_iter().flatten();
         let mut all: Vec<_> = entries
@@ -90,12 +90,12 @@ impl<'a> Reader<'a> {
         all
     }
 
-    /// Whether the text has this key, whatever its value.
+    /// True if the text has this key, whatever its value.
     pub(super) fn has(&self, key: &str) -> bool {
         self.peek(key).is_some()
     }
 
-    /// The value of a key as it stands in the text.
+    /// The value of a key, without marking the key as known.
     pub(super) fn peek(&self, key: &str) -> Option<Node<'a>> {
         self.table?.get(key)
     }
@@ -105,7 +105,7 @@ impl<'a> Reader<'a> {
         self.peek(key)
     }
 
-    /// Notes a fault at the value of `key`, or at the table's head if it is not there.
+    /// Reports an error at the value of `key`, or at the head of the table if the key is missing.
     pub(super) fn fault_at(&self, key: &str, message: String, help: Option<String>) {
         let place = self.peek(key).map_or(self.span(), Spanned::span);
         self.faults.add(place, message, help);
@@ -115,7 +115,7 @@ impl<'a> Reader<'a> {
         let found = node.get_ref().type_str();
         self.faults.add(
             node.span(),
-            format!("`{key}` is {wanted}, found {found}"),
+            format!("expected {wanted} for `{key}`, found {found}"),
             None,
         );
     }
@@ -124,7 +124,7 @@ impl<'a> Reader<'a> {
         let node = self.get(key)?;
         let text = node.get_ref().as_str();
         if text.is_none() {
-            self.wrong_type(key, node, "a text");
+            self.wrong_type(key, node, "a string");
         }
         text
     }
@@ -138,18 +138,18 @@ impl<'a> Reader<'a> {
         value
     }
 
-    /// A whole number from 0 on, below `bound`.
+    /// Reads an integer from 0 to `bound` - 1.
     pub(super) fn index(&mut self, key: &'static str, bound: u64) -> Option<u64> {
         let node = self.get(key)?;
         let Some(value) = integer(node) else {
-            self.wrong_type(key, node, "a whole number");
+            self.wrong_type(key, node, "an integer");
             return None;
         };
         let inside = u64::try_from(value).ok().filter(|index| *index < bound);
         if inside.is_none() {
             let help = match bound {
-                0 => "there is none".to_owned(),
-                _ => format!("it counts from 0 to {}", bound - 1),
+                0 => "no value is valid here".to_owned(),
+                _ => format!("the range is 0 to {}", bound - 1),
             };
             self.faults.add(
                 node.span(),
@@ -160,13 +160,13 @@ impl<'a> Reader<'a> {
         inside
     }
 
-    /// A finite number in SI units.
+    /// Reads a finite number in SI units.
     pub(super) fn real(&mut self, key: &'static str, dimension: Dimension) -> Option<f64> {
         let node = self.get(key)?;
         self.number(key, node, dimension)
     }
 
-    /// As [`real`](Self::real), not negative.
+    /// Reads a finite number in SI units that is not negative.
     pub(super) fn magnitude(&mut self, key: &'static str, dimension: Dimension) -> Option<f64> {
         let node = self.get(key)?;
         let value = self.number(key, node, dimension)?;
@@ -178,7 +178,7 @@ impl<'a> Reader<'a> {
         Some(value)
     }
 
-    /// As [`real`](Self::real), greater than zero.
+    /// Reads a finite number in SI units that is greater than zero.
     pub(super) fn positive(&mut self, key: &'static str, dimension: Dimension) -> Option<f64> {
         let value = self.magnitude(key, dimension)?;
         if value == 0.0 {
@@ -188,7 +188,7 @@ impl<'a> Reader<'a> {
         Some(value)
     }
 
-    /// A list of exactly `count` numbers.
+    /// Reads a list of exactly `count` numbers.
     pub(super) fn reals(
         &mut self,
         key: &'static str,
@@ -210,7 +210,7 @@ impl<'a> Reader<'a> {
             .collect()
     }
 
-    /// One number for all, or a list of exactly `count`.
+    /// Reads one number for all, or a list of exactly `count` numbers.
     pub(super) fn each(
         &mut self,
         key: &'static str,
@@ -255,17 +255,14 @@ impl<'a> Reader<'a> {
             }
             Err(help) => {
                 let help = Some(help).filter(|help| !help.is_empty());
-                self.faults.add(
-                    node.span(),
-                    format!("`{key}` cannot be read as a number"),
-                    help,
-                );
+                self.faults
+                    .add(node.span(), format!("`{key}` is not a valid number"), help);
                 None
             }
         }
     }
 
-    /// One word of a list of them.
+    /// Reads a string that must be one of `known`.
     pub(super) fn word(
         &mut self,
         key: &'static str,
@@ -275,7 +272,7 @@ impl<'a> Reader<'a> {
         self.known(key, node, known)
     }
 
-    /// A list of words.
+    /// Reads a list of strings that must be in `known`.
     pub(super) fn words(
         &mut self,
         key: &'static str,
@@ -283,7 +280,7 @@ impl<'a> Reader<'a> {
     ) -> Option<Vec<&'static str>> {
         let node = self.get(key)?;
         let Some(list) = node.get_ref().as_array() else {
-            self.wrong_type(key, node, "a list of words");
+            self.wrong_type(key, node, "a list of strings");
             return None;
         };
         Some(
@@ -295,7 +292,7 @@ impl<'a> Reader<'a> {
 
     fn known(&self, key: &str, node: Node<'a>, known: &[&'static str]) -> Option<&'static str> {
         let Some(text) = node.get_ref().as_str() else {
-            self.wrong_type(key, node, "a word in quotes");
+            self.wrong_type(key, node, "a string");
             return None;
         };
         let found = known.iter().copied().find(|word| *word == text);
@@ -303,14 +300,14 @@ impl<'a> Reader<'a> {
             let help = did_you_mean(text, known);
             self.faults.add(
                 node.span(),
-                format!("`{key}` knows no \"{text}\""),
+                format!("unknown value \"{text}\" for `{key}`"),
                 Some(help),
             );
         }
         found
     }
 
-    /// A list of entries of any type, for the caller to read one by one.
+    /// Reads a list of values of any type.
     pub(super) fn list(&mut self, key: &'static str) -> Option<Vec<Node<'a>>> {
         let node = self.get(key)?;
         let list = node.get_ref().as_array().map(|list| list.iter().collect());
@@ -320,7 +317,7 @@ impl<'a> Reader<'a> {
         list
     }
 
-    /// A table inside of this one.
+    /// Reads a nested table.
     pub(super) fn table(&mut self, key: &'static str) -> Option<Reader<'a>> {
         let node = self.get(key)?;
         let inner = Self::of(node, self.faults);
@@ -330,7 +327,7 @@ impl<'a> Reader<'a> {
         inner
     }
 
-    /// A list of tables, `[[...]]`.
+    /// Reads a list of tables, `[[...]]`.
     pub(super) fn tables(&mut self, key: &'static str) -> Vec<Reader<'a>> {
         let nodes = self.list(key).unwrap_or_default();
         let readers = nodes.into_iter().filter_map(|node| {
@@ -343,13 +340,13 @@ impl<'a> Reader<'a> {
         readers.collect()
     }
 
-    /// The table that a node is, if it is one.
+    /// A reader for a node; `None` if the node is not a table.
     pub(super) fn of(node: Node<'a>, faults: &'a Faults) -> Option<Self> {
         let table = node.get_ref().as_table()?;
         Some(Self::new(table, node.span(), faults))
     }
 
-    /// Notes every key that nobody asked for.
+    /// Reports every key that was not read as unknown.
     pub(super) fn finish(self) {
         for (key, span, _) in self.entries() {
             if !self.asked.contains(&key) {
@@ -364,11 +361,11 @@ impl<'a> Reader<'a> {
 pub(super) fn did_you_mean(word: &str, known: &[&str]) -> String {
     match nearest(word, known) {
         Some(near) => format!("did you mean `{near}`?"),
-        None => format!("known are {}", known.join(", ")),
+        None => format!("expected one of {}", known.join(", ")),
     }
 }
 
-/// The value of a whole number, in whatever base it is written.
+/// Value of an integer in any base; `None` for other nodes or on overflow.
 pub(super) fn integer(node: Node<'_>) -> Option<i64> {
     let integer = node.get_ref().as_integer()?;
     let digits = integer.as_str().replace('_', "");
