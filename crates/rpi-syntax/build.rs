@@ -1,4 +1,4 @@
-//! Makes the parser from `grammar/rpi.lalrpop`.
+//! Generates the parser from `grammar/rpi.lalrpop` with LALRPOP.
 
 use std::path::PathBuf;
 use std::process::ExitCode;

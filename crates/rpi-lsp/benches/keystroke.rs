@@ -1,6 +1,6 @@
-//! From a keystroke to its findings, in a file of 1 000 lines, over pipes, the pause for the writer included.
+//! Latency from a keystroke to its diagnostics in a file of 1 000 lines, over pipes, waiting for a pause included.
 //!
-//! `cargo bench -p rpi-lsp` prints the figures; the bar is 30 ms for 99 of 100 keystrokes.
+//! `cargo bench -p rpi-lsp` prints the figures. The target is 30 ms for 99 of 100 keystrokes.
 
 use std::fmt::Write as _;
 use std::io::BufReader;
@@ -14,10 +14,10 @@ const URI: &str = "file:///cell/large.rpi";
 const LINES: usize = 1000;
 const KEYSTROKES: usize = 400;
 
-/// How fast somebody types who is in a hurry.
+/// Time between keystrokes of a fast typist.
 const BETWEEN: Duration = Duration::from_millis(40);
 
-/// Controllers that use one another, and commands that run them.
+/// Generates a program of controllers that call one another, and commands that use them.
 fn program() -> String {
     let mut text = String::from("use motion;\n");
     let mut k = 0;
@@ -32,7 +32,7 @@ fn program() -> String {
     text
 }
 
-/// A filtered PI controller; every second one is made of the one before.
+/// Generates a filtered PI controller; every second one calls the previous one.
 fn controller(k: usize) -> String {
     let inner = match k % 2 {
         1 => format!("controller_{}(target: target, seen: seen)", k - 1),
@@ -64,7 +64,8 @@ fn connect() -> LspClient {
     LspClient::new(client_in, client_out)
 }
 
-/// The edit of the k-th keystroke: a word grows, letter by letter, and goes again; most of the time it is a fault.
+/// Returns the edit of the k-th keystroke: a word grows letter by letter and is replaced again. Most of the texts
+/// have a syntax error.
 fn edit(k: usize) -> Value {
     let column = 12 + (k % 8) as u64;
     let start = json!({ "line": LINES / 2, "character": 0 });
@@ -86,7 +87,11 @@ fn main() {
     client.initialize(json!({}));
     client.open(URI, &text);
     let found = client.diagnostics(URI, 1);
-    println!("{} lines, {} findings", text.lines().count(), found.len());
+    println!(
+        "{} lines, {} diagnostics",
+        text.lines().count(),
+        found.len()
+    );
     let mut spans = Vec::with_capacity(KEYSTROKES);
     for k in 0..KEYSTROKES {
         thread::sleep(BETWEEN);
@@ -99,7 +104,7 @@ fn main() {
     spans.sort_unstable();
     let at = |part: f64| spans[((spans.len() - 1) as f64 * part) as usize].as_secs_f64() * 1e3;
     println!(
-        "keystroke to findings: {:.1} ms median, {:.1} ms p99, {:.1} ms at most",
+        "keystroke to diagnostics: {:.1} ms median, {:.1} ms p99, {:.1} ms at most",
         at(0.5),
         at(0.99),
         at(1.0)

@@ -1,4 +1,4 @@
-//! Fixes as code actions: one for each fix of a finding that is asked about, and one for all sure ones.
+//! Code actions: one for each fix of a diagnostic in the requested range, and one that applies all sure fixes.
 
 use std::collections::{BTreeMap, HashMap};
 use std::path::PathBuf;
@@ -13,7 +13,7 @@ use crate::client::FIX_ALL;
 use crate::places::Places;
 use crate::world::World;
 
-/// What can be done about the findings in a range.
+/// Handles `textDocument/codeAction`.
 pub(crate) fn actions(world: &mut World, params: CodeActionParams) -> Option<CodeActionResponse> {
     let uri = params.text_document.uri;
     let seen = world.see(&uri)?;
@@ -53,7 +53,8 @@ fn quick_fix(world: &World, places: &Places<'_>, finding: &Finding, fix: &Fix) -
     }
 }
 
-/// Kinds are dotted names: who asks for `source` gets `source.fixAll.rpi`, too.
+/// Returns whether the client requested this kind of action. Kinds are hierarchical: `source` includes
+/// `source.fixAll.rpi`.
 fn is_wanted(only: Option<&[CodeActionKind]>, action: &CodeAction) -> bool {
     let kind = action.kind.as_ref().map_or("", |kind| kind.as_str());
     let covers = |wanted: &CodeActionKind| {
@@ -79,7 +80,7 @@ fn workspace_edit(world: &World, places: &Places<'_>, edits: &[Edit]) -> Workspa
     }
 }
 
-/// Edits for one version of a text each: on another one the client does not apply them.
+/// Creates edits with document versions. The client rejects them for any other version.
 fn versioned(world: &World, files: BTreeMap<PathBuf, Vec<TextEdit>>) -> WorkspaceEdit {
     let edit = |(path, edits): (PathBuf, Vec<TextEdit>)| {
         Some(TextDocumentEdit {
@@ -97,7 +98,7 @@ fn versioned(world: &World, files: BTreeMap<PathBuf, Vec<TextEdit>>) -> Workspac
     }
 }
 
-// The protocol's type; its keys are texts that nothing changes.
+// The type is given by the protocol, and its keys are never mutated.
 #[allow(clippy::mutable_key_type)]
 fn plain(world: &World, files: BTreeMap<PathBuf, Vec<TextEdit>>) -> WorkspaceEdit {
     let edit = |(path, edits): (PathBuf, Vec<TextEdit>)| Some((world.uri_of(&path)?, edits));

@@ -1,4 +1,4 @@
-//! What the client can do, and what we tell it that we can.
+//! Capabilities of the client and of the server.
 
 use lsp_types::{
     CodeActionKind, CodeActionOptions, CompletionOptions, HoverProviderCapability,
@@ -8,22 +8,22 @@ use lsp_types::{
 
 use crate::lines::Encoding;
 
-/// The name of the code action that applies all sure fixes.
+/// Kind of the code action that applies all sure fixes.
 pub(crate) const FIX_ALL: CodeActionKind = CodeActionKind::new("source.fixAll.rpi");
 
-/// What the client can do.
+/// Capabilities of the client.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Client {
-    /// How it counts within a line.
+    /// Unit in which the client counts columns.
     pub(crate) encoding: Encoding,
-    /// Whether it takes edits that say for which version of a text they are.
+    /// Whether the client supports edits with document versions.
     pub(crate) versioned_edits: bool,
-    /// Whether it tells, when asked to, which files have changed on disk.
+    /// Whether the client can report changed files on disk (dynamic registration).
     pub(crate) watches_files: bool,
 }
 
 impl Client {
-    /// As the client says it.
+    /// Reads the capabilities from the `initialize` request.
     pub(crate) fn of(params: &InitializeParams) -> Client {
         let all = &params.capabilities;
         let encodings = all
@@ -40,7 +40,7 @@ impl Client {
         }
     }
 
-    /// What we can do for it.
+    /// Creates the response to `initialize`, with the capabilities of the server.
     pub(crate) fn welcome(&self) -> InitializeResult {
         InitializeResult {
             capabilities: self.capabilities(),

@@ -1,22 +1,22 @@
-//! A definition in words: what it is, of which type, when it is present, and what was written about it.
+//! Description of a definition: kind, type, presence and documentation.
 
 use rpi_diag::{FileId, Span};
 use rpi_driver::Inspected;
 use rpi_sema::query::{Def, DefKind, Typed};
 
-/// How a definition is shown.
+/// Description of a definition for hover and completion.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) struct Description {
-    /// In the language.
+    /// Declaration in source syntax.
     pub(crate) code: String,
-    /// What it is and when it is present, in a few words.
+    /// Kind and presence, in a few words.
     pub(crate) kind: String,
-    /// What was written about it.
+    /// Documentation.
     pub(crate) doc: String,
 }
 
 impl Description {
-    /// In Markdown.
+    /// Returns the description as Markdown.
     pub(crate) fn markdown(&self) -> String {
         let mut out = format!("```rpi\n{}\n```\n", self.code);
         if !self.kind.is_empty() {
@@ -29,7 +29,7 @@ impl Description {
     }
 }
 
-/// A definition, described as it is read at a place.
+/// Describes a definition. `read` is the place of a use, whose type takes precedence.
 pub(crate) fn describe(seen: &Inspected, def: &Def, read: Option<Span>) -> Description {
     let types = types(seen, def, read);
     Description {
@@ -39,7 +39,7 @@ pub(crate) fn describe(seen: &Inspected, def: &Def, read: Option<Span>) -> Descr
     }
 }
 
-/// `name: type` of a value, `name` of anything else.
+/// Returns `name: type` for a value, and kind and name for any other definition.
 pub(crate) fn brief(seen: &Inspected, def: &Def) -> String {
     match def.kind.is_value() {
         true => value(seen, def, &types(seen, def, None)),
@@ -81,7 +81,7 @@ fn first_line(text: &str) -> String {
     line.trim_end().to_owned()
 }
 
-/// The declaration without its body.
+/// Returns the header of a declaration: its text without the body.
 fn head(seen: &Inspected, def: &Def) -> String {
     let mode = seen.mode();
     let item = seen.item_around(def.whole);
@@ -91,7 +91,7 @@ fn head(seen: &Inspected, def: &Def) -> String {
     head.unwrap_or_else(|| format!("{} {}", def.kind.word(), def.name))
 }
 
-/// With the types that were found, else with the one that is written.
+/// Returns `name: type` with the inferred types (at most three), else with the declared type.
 fn value(seen: &Inspected, def: &Def, types: &[Typed]) -> String {
     let found: Vec<String> = types.iter().take(3).map(Typed::to_string).collect();
     let written = || def.ty.map(|span| seen.sources.slice(span).to_owned());

@@ -1,4 +1,4 @@
-//! Findings as the client shows them.
+//! Conversion of compiler diagnostics to diagnostics of the protocol.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -14,7 +14,7 @@ use crate::places::Places;
 use crate::world::World;
 use crate::{shelf, uri};
 
-/// What was found about a program, by file; the program's own file is always among them.
+/// Returns the diagnostics of a program by file. The root file is always included.
 pub(crate) fn by_file(
     world: &World,
     seen: &Inspected,
@@ -53,7 +53,7 @@ fn diagnostic(world: &World, places: &Places<'_>, finding: &Finding) -> Diagnost
     }
 }
 
-/// The sentence, then what helps, a line each.
+/// Returns the message, followed by help texts and notes, one per line.
 fn message(finding: &Finding) -> String {
     let help = finding.help.iter().map(|text| format!("\nhelp: {text}"));
     let notes = finding.notes.iter().map(|text| format!("\nnote: {text}"));
@@ -69,7 +69,7 @@ fn severity(severity: Severity) -> DiagnosticSeverity {
     }
 }
 
-/// Where what `rpic explain` says can be read.
+/// Returns the link to the page of a code, with the text that `rpic explain` prints.
 fn page(code: Code) -> Option<CodeDescription> {
     let href = uri::uri_of(&shelf::page_of(code)?)?;
     Some(CodeDescription { href })

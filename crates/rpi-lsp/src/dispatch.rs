@@ -1,4 +1,4 @@
-//! The table of what can be asked, and of what can be told.
+//! Tables of the supported requests and notifications, with their handlers.
 
 use lsp_server::{ErrorCode, Request};
 use lsp_types::notification as told;
@@ -18,7 +18,7 @@ use crate::{actions, completion, formatting, hover, navigate, symbols};
 
 type Answer = Result<Value, (ErrorCode, String)>;
 
-/// A row of the table: the method, and who answers.
+/// Row of the request table: method and handler.
 type Row = (&'static str, fn(&mut World, Value) -> Answer);
 
 macro_rules! asked {
@@ -43,21 +43,24 @@ const ASKED: &[Row] = &[
     asked!(asked::CodeActionRequest, actions::actions),
 ];
 
-/// Answers a request.
+/// Handles a request.
 pub(crate) fn ask(world: &mut World, method: &str, params: Value) -> Answer {
     match ASKED.iter().find(|(known, _)| *known == method) {
         Some((_, answer)) => answer(world, params),
-        None => Err((ErrorCode::MethodNotFound, format!("no method {method}"))),
+        None => Err((
+            ErrorCode::MethodNotFound,
+            format!("unknown method {method}"),
+        )),
     }
 }
 
-/// What a notification leads to: requests to the client.
+/// Row of the notification table: method and handler. The handler returns requests to the client.
 type Told = (&'static str, fn(&mut World, Value) -> Vec<Request>);
 
 macro_rules! told {
     ($notification:ty, $take:path) => {
         (<$notification>::METHOD, |world, params| {
-            // What cannot be read cannot be answered either: a notification has no answer.
+            // Invalid parameters are ignored, as a notification has no response.
             let params = serde_json::from_value(params);
             params.map_or_else(|_| Vec::new(), |params| $take(world, params))
         })
@@ -72,7 +75,7 @@ const TOLD: &[Told] = &[
     told!(told::DidChangeWatchedFiles, files_changed),
 ];
 
-/// Takes up a notification; unknown ones are of no interest.
+/// Handles a notification. Unknown notifications are ignored. Returns requests to the client.
 pub(crate) fn tell(world: &mut World, method: &str, params: Value) -> Vec<Request> {
     match TOLD.iter().find(|(known, _)| *known == method) {
         Some((_, take)) => take(world, params),
@@ -80,7 +83,7 @@ pub(crate) fn tell(world: &mut World, method: &str, params: Value) -> Vec<Reques
     }
 }
 
-/// Asks the client to watch the files that programs are made of.
+/// Handles `initialized`: asks the client to watch source files on disk.
 fn initialized(world: &mut World, _: InitializedParams) -> Vec<Request> {
     if !world.client.watches_files {
         return Vec::new();

@@ -1,4 +1,4 @@
-//! The one style, as the smallest edit of whole lines: what is in style already stays, and with it the cursor.
+//! Formatting, as the smallest edit of whole lines, so that the cursor keeps its place in unchanged lines.
 
 use lsp_types::{DocumentFormattingParams, Range, TextEdit};
 use rpi_syntax::{Mode, format};
@@ -7,7 +7,7 @@ use crate::lines::Lines;
 use crate::uri;
 use crate::world::World;
 
-/// The edits that set a text in style; none if a fault in it keeps it from being formatted.
+/// Handles `textDocument/formatting`. Returns [`None`] if a syntax error prevents formatting.
 pub(crate) fn formatting(
     world: &mut World,
     params: DocumentFormattingParams,
@@ -27,7 +27,8 @@ pub(crate) fn formatting(
     )])
 }
 
-/// The lines in which two texts differ: bytes of the old one, and what stands there in the new one.
+/// Returns the range of differing lines in the old text (start and end in bytes), and its replacement. [`None`] if the
+/// texts are equal.
 fn difference<'n>(old: &str, new: &'n str) -> Option<(usize, usize, &'n str)> {
     if old == new {
         return None;

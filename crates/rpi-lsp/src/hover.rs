@@ -1,4 +1,4 @@
-//! What stands at a position, in words.
+//! Hover: description of the name, keyword or expression at a position.
 
 use lsp_types::{Hover, HoverContents, HoverParams, MarkupContent, MarkupKind};
 use rpi_diag::{FileId, Span};
@@ -11,7 +11,7 @@ use crate::describe::{Description, describe};
 use crate::primitive;
 use crate::world::World;
 
-/// The answer to a pointer that rests.
+/// Handles `textDocument/hover`.
 pub(crate) fn hover(world: &mut World, params: HoverParams) -> Option<Hover> {
     let at = params.text_document_position_params;
     let seen = world.see(&at.text_document.uri)?;
@@ -30,10 +30,10 @@ pub(crate) fn hover(world: &mut World, params: HoverParams) -> Option<Hover> {
     })
 }
 
-/// Operators that are words.
+/// Operators spelt as words that can cause a run-time fault.
 const OPERATORS: &[&str] = &["div", "mod", "int"];
 
-/// How the operation at a place can fault while the program runs. Of a name in it nothing is said.
+/// Returns Markdown text on the possible run-time faults of the operation at a position; empty for a plain name.
 fn faults(seen: &Inspected, described: Span, offset: u32) -> String {
     let all = seen.faults_around(FileId(0), offset);
     let is_operator = OPERATORS.contains(&seen.sources.slice(described));
@@ -43,18 +43,18 @@ fn faults(seen: &Inspected, described: Span, offset: u32) -> String {
     let lines: String = lines.collect();
     match lines.is_empty() {
         true => lines,
-        false => format!("\n\nCan fault while it runs:\n\n{lines}"),
+        false => format!("\n\nPossible faults at run time:\n\n{lines}"),
     }
 }
 
-/// A name that the program declares.
+/// Describes the name at the offset, if the program declares it.
 fn named(seen: &Inspected, offset: u32) -> Option<(Span, Description)> {
     let name = seen.index().at(FileId(0), offset)?;
     let def = seen.index().def(name.def);
     Some((name.span, describe(seen, def, Some(name.span))))
 }
 
-/// A word of the language, a primitive, or what else is there without a declaration.
+/// Describes the keyword, primitive or predeclared name at the offset.
 fn built_in(seen: &Inspected, offset: u32) -> Option<(Span, Description)> {
     let text = seen.sources.text(FileId(0));
     let at = offset as usize;
@@ -77,13 +77,13 @@ fn word_of(seen: &Inspected, word: &str) -> Option<Description> {
         .find(|k| k.text == word && k.is_in(seen.mode()));
     let keyword = keyword.map(|keyword| Description {
         code: keyword.text.to_owned(),
-        kind: "word of the language".to_owned(),
+        kind: "keyword".to_owned(),
         doc: keyword.doc.to_owned(),
     });
     keyword.or_else(|| of_builtin(&query::builtin(word)?).into())
 }
 
-/// A registered primitive.
+/// Describes a primitive.
 pub(crate) fn of_primitive(prim: PrimId) -> Description {
     Description {
         code: primitive::signature(prim.desc()),
@@ -92,16 +92,16 @@ pub(crate) fn of_primitive(prim: PrimId) -> Description {
     }
 }
 
-/// A predeclared flow or operator.
+/// Describes a predeclared flow or operator.
 pub(crate) fn of_builtin(builtin: &query::Builtin) -> Description {
     Description {
         code: builtin.form.clone(),
-        kind: "there in every program".to_owned(),
+        kind: "predeclared".to_owned(),
         doc: builtin.doc.trim().to_owned(),
     }
 }
 
-/// The smallest expression around.
+/// Describes the type of the innermost expression around the offset.
 fn expression(seen: &Inspected, offset: u32) -> Option<(Span, Description)> {
     let (span, types) = seen.type_around(FileId(0), offset)?;
     let code: Vec<String> = types.iter().map(Typed::to_string).collect();

@@ -1,25 +1,25 @@
-//! The language server: findings while one writes, names, fixes and the one style, in any editor that speaks the
+//! Language server: diagnostics, hover, navigation, completion, fixes and formatting for any editor that supports the
 //! Language Server Protocol (Microsoft, version 3.17).
 //!
-//! [`serve`] answers one client over two streams of bytes, standard input and output in the tool. One thread does all the
-//! work, in the order of the messages, and looks at a program again when its writer pauses for as long as that takes;
-//! what is asked meanwhile is answered for the text as it is. This crate knows the protocol and how to say things in it;
-//! what a program means it asks of `rpi-driver`.
+//! [`serve`] serves one client over two byte streams (standard input and output in the tool). A single worker thread
+//! handles the messages in order. It analyses a program again when the user pauses for as long as the last analysis
+//! took. A request in the meantime triggers the analysis of the current text. This crate implements the protocol; the
+//! analysis of programs is done by `rpi-driver`.
 //!
-//! | file | idea |
+//! | file | content |
 //! |---|---|
-//! | `wire.rs` | bytes and messages |
-//! | `server.rs` | the life of the server, and its clock |
-//! | `dispatch.rs` | the table of what can be asked, and of what can be told |
-//! | `client.rs` | what the client can do, and what we tell it that we can |
-//! | `world.rs` | open texts, what is known of them, what has been shown |
-//! | `lines.rs`, `uri.rs`, `places.rs` | places in texts, as the protocol counts and names them |
-//! | `shelf.rs` | built-in texts as files: the standard library, the pages of findings |
-//! | `diagnostics.rs`, `actions.rs` | findings and their fixes |
-//! | `hover.rs`, `describe.rs`, `primitive.rs` | what a name means, in words |
-//! | `navigate.rs`, `symbols.rs` | where things are |
-//! | `completion/` | what could be written here |
-//! | `formatting.rs` | the one style |
+//! | `wire.rs` | message framing and JSON-RPC |
+//! | `server.rs` | lifecycle of the server, and scheduling of analyses |
+//! | `dispatch.rs` | tables of the supported requests and notifications |
+//! | `client.rs` | capabilities of client and server |
+//! | `world.rs` | open documents, their analyses and published diagnostics |
+//! | `lines.rs`, `uri.rs`, `places.rs` | conversion of spans and paths to positions and URIs |
+//! | `shelf.rs` | built-in texts as files: the standard library, the pages of diagnostic codes |
+//! | `diagnostics.rs`, `actions.rs` | diagnostics and their fixes |
+//! | `hover.rs`, `describe.rs`, `primitive.rs` | descriptions of names and expressions |
+//! | `navigate.rs`, `symbols.rs` | definitions, references, outline |
+//! | `completion/` | completion |
+//! | `formatting.rs` | formatting |
 
 mod actions;
 mod client;
@@ -44,25 +44,25 @@ use std::io::{self, BufRead, Write};
 use std::sync::mpsc;
 use std::thread;
 
-/// The stack of the thread that works: deep nesting in a program costs stack.
+/// Stack size in bytes of the worker thread. Deeply nested programs need much stack.
 const STACK: usize = 64 << 20;
 
-/// Serves one client until it says `exit` or closes the stream.
+/// Serves one client until it sends `exit` or closes the stream.
 ///
 /// # Errors
-/// If the client leaves without having asked to shut down, or the output breaks.
+/// Returns an error if the client disconnects without a `shutdown` request, or if writing fails.
 pub fn serve(
     input: impl BufRead + Send + 'static,
     output: impl Write + Send + 'static,
 ) -> io::Result<()> {
     let (arrive, inbox) = mpsc::channel();
     let (outbox, leave) = mpsc::channel();
-    // The reader may wait for a client that says nothing more: nobody waits for the reader.
+    // The reader thread is not joined: it may block for ever on a client that keeps its stream open after `exit`.
     thread::Builder::new().spawn(move || wire::read_all(input, &arrive))?;
     let writer = thread::Builder::new().spawn(move || wire::write_all(output, &leave))?;
     let worker = thread::Builder::new().stack_size(STACK);
     let worker = worker.spawn(move || server::run(&inbox, outbox))?;
-    let ended = worker.join().unwrap_or(Err("the server broke"));
+    let ended = worker.join().unwrap_or(Err("the server thread panicked"));
     let written = writer.join().unwrap_or(Ok(()));
     ended.map_err(io::Error::other).and(written)
 }

@@ -1,18 +1,18 @@
-//! Places in a text: as we count, in bytes, and as the protocol counts, in lines and code units of an encoding.
+//! Conversion between byte offsets and the positions of the protocol (line, and column in code units of an encoding).
 
 use lsp_types::{Position, PositionEncodingKind};
 
-/// How the client counts within a line.
+/// Position encoding: unit in which the client counts columns.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Encoding {
-    /// In bytes.
+    /// Bytes.
     Utf8,
-    /// In 16-bit units: the default, which every client knows.
+    /// 16-bit code units: the default, which every client supports.
     Utf16,
 }
 
 impl Encoding {
-    /// The best of those that a client knows.
+    /// Selects UTF-8 if the client supports it, else UTF-16.
     pub(crate) fn of(known: Option<&[PositionEncodingKind]>) -> Encoding {
         match known.is_some_and(|known| known.contains(&PositionEncodingKind::UTF8)) {
             true => Encoding::Utf8,
@@ -35,14 +35,14 @@ impl Encoding {
     }
 }
 
-/// Where the lines of a text begin.
+/// Start offsets of the lines of a text.
 #[derive(Clone, Debug)]
 pub(crate) struct Lines {
     starts: Vec<usize>,
 }
 
 impl Lines {
-    /// A line ends with `\n`, `\r\n` or `\r`, as the protocol has it.
+    /// Finds the lines of a text. A line ends with `\n`, `\r\n` or `\r`, as specified by the protocol.
     pub(crate) fn new(text: &str) -> Lines {
         let bytes = text.as_bytes();
         let ends = |at: &usize| match bytes[*at] {
@@ -56,9 +56,10 @@ impl Lines {
         }
     }
 
-    /// The position of a byte; one inside a character counts as its first.
+    /// Converts a byte offset to a position. An offset inside a character is moved to its start.
     pub(crate) fn position(&self, text: &str, offset: usize, encoding: Encoding) -> Position {
         let offset = text.floor_char_boundary(offset);
+        // The first start is 0, so the subtraction cannot underflow.
         let line = self.starts.partition_point(|start| *start <= offset) - 1;
         let before = text[self.starts[line]..offset].chars();
         Position {
@@ -67,7 +68,8 @@ impl Lines {
         }
     }
 
-    /// The byte of a position: the end of the line for one beyond it, the end of the text for one beyond that.
+    /// Converts a position to a byte offset. A column beyond the line is the end of the line, a line beyond the text is
+    /// the end of the text.
     pub(crate) fn offset(&self, text: &str, position: Position, encoding: Encoding) -> usize {
         let Some(start) = self.starts.get(position.line as usize) else {
             return text.len();
@@ -107,7 +109,7 @@ mod tests {
         );
         assert_eq!(lines.position(TEXT, b, Encoding::Utf8), Position::new(0, 7));
         assert_eq!(lines.offset(TEXT, Position::new(0, 4), Encoding::Utf16), b);
-        // Inside the robot's pair of units, and inside its bytes.
+        // Between the two UTF-16 units of the robot character, and between its bytes.
         assert_eq!(lines.offset(TEXT, Position::new(0, 3), Encoding::Utf16), 3);
         assert_eq!(
             lines.position(TEXT, 5, Encoding::Utf16),

@@ -1,4 +1,4 @@
-//! Where things are: definitions, references.
+//! Navigation: definitions, references, highlights.
 
 use std::rc::Rc;
 
@@ -12,7 +12,7 @@ use rpi_sema::query::{DefId, Reference};
 
 use crate::world::World;
 
-/// The name at a position, and what it means.
+/// Returns the name at a position with its definition, and the analysis of the document.
 pub(crate) fn name_at(
     world: &mut World,
     at: &TextDocumentPositionParams,
@@ -23,7 +23,7 @@ pub(crate) fn name_at(
     Some((seen, found))
 }
 
-/// Where a name is declared.
+/// Handles `textDocument/definition`: the location of the declaration.
 pub(crate) fn definition(
     world: &mut World,
     params: GotoDefinitionParams,
@@ -34,7 +34,7 @@ pub(crate) fn definition(
     Some(GotoDefinitionResponse::Scalar(location))
 }
 
-/// Every place where a name is used, also by other open texts.
+/// Handles `textDocument/references`: all uses of a name, in the programs of all open documents.
 pub(crate) fn references(world: &mut World, params: ReferenceParams) -> Option<Vec<Location>> {
     let (seen, name) = name_at(world, &params.text_document_position)?;
     let own = seen.index().def(name.def).span;
@@ -44,6 +44,7 @@ pub(crate) fn references(world: &mut World, params: ReferenceParams) -> Option<V
         let Some(other) = world.see(&uri) else {
             continue;
         };
+        // Definition ids differ between analyses, so the definition is looked up again by its place.
         let mut files = other.sources.files();
         let same = files.find(|id| other.sources.name(*id) == file);
         let Some(name) = same.and_then(|id| other.index().at(id, own.start)) else {
@@ -60,7 +61,7 @@ pub(crate) fn references(world: &mut World, params: ReferenceParams) -> Option<V
     Some(found)
 }
 
-/// The same in one text.
+/// Handles `textDocument/documentHighlight`: all uses of a name in the document.
 pub(crate) fn highlights(
     world: &mut World,
     params: DocumentHighlightParams,

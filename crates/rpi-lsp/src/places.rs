@@ -1,4 +1,4 @@
-//! Places of a program as the client counts them.
+//! Conversion of source spans to the positions and locations of the protocol.
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -13,7 +13,7 @@ use crate::lines::{Encoding, Lines};
 use crate::shelf;
 use crate::world::World;
 
-/// The texts of a program with their lines, which are found when they are first needed.
+/// Converter for the files of one program. Line tables are computed on first use.
 pub(crate) struct Places<'s> {
     seen: &'s Inspected,
     encoding: Encoding,
@@ -35,7 +35,7 @@ impl<'s> Places<'s> {
         known.entry(file).or_insert_with(lines).clone()
     }
 
-    /// A range; the start of the text for what has no place.
+    /// Converts a span to a range; a span without a place becomes the start of the text.
     pub(crate) fn range(&self, span: Span) -> Range {
         let text = self.seen.sources.text(span.file);
         let lines = self.lines(span.file);
@@ -43,7 +43,7 @@ impl<'s> Places<'s> {
         Range::new(at(span.start), at(span.end.max(span.start)))
     }
 
-    /// The byte of a position in the program's own text.
+    /// Converts a position in the root file of the program to a byte offset.
     pub(crate) fn offset(&self, position: Position) -> u32 {
         let file = FileId(0);
         let text = self.seen.sources.text(file);
@@ -51,13 +51,13 @@ impl<'s> Places<'s> {
         u32::try_from(offset).unwrap_or(u32::MAX)
     }
 
-    /// The file of a place; the program's own for what has none.
+    /// Returns the path of the file of a span; the root file for a span without a place.
     pub(crate) fn file(&self, span: Span) -> PathBuf {
         let file = if span.is_none() { FileId(0) } else { span.file };
         shelf::file_of(self.seen.sources.name(file))
     }
 
-    /// A place with its file; none if the file has no address.
+    /// Converts a span to a location; [`None`] if the file has no URI.
     pub(crate) fn location(&self, world: &World, span: Span) -> Option<Location> {
         let uri = world.uri_of(&self.file(span))?;
         let range = self.range(span);

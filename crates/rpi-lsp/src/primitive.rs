@@ -1,8 +1,8 @@
-//! Registered primitives in the words of the language.
+//! Primitives rendered as declarations of the language.
 
 use rpi_image::{InPort, Need, Param, ParamType, PortType, PrimDesc};
 
-/// Its declaration, as a program would write it.
+/// Returns the declaration of a primitive in source syntax.
 pub(crate) fn signature(desc: &PrimDesc) -> String {
     let fallbacks = desc.inputs.iter().filter_map(fallback);
     let statics: Vec<String> = fallbacks.chain(desc.params.iter().map(param)).collect();
@@ -20,7 +20,7 @@ pub(crate) fn signature(desc: &PrimDesc) -> String {
     )
 }
 
-/// What it does; doc comments keep the space that follows `///`.
+/// Returns the documentation, without the leading space that doc comments keep on each line.
 pub(crate) fn doc(desc: &PrimDesc) -> String {
     let lines = desc.doc.trim().lines();
     let lines: Vec<&str> = lines
@@ -29,7 +29,7 @@ pub(crate) fn doc(desc: &PrimDesc) -> String {
     lines.join("\n")
 }
 
-/// The parameter that stands for an in-port where nothing is connected.
+/// Returns the static parameter that replaces an unconnected in-port, if the port has one.
 fn fallback(port: &InPort) -> Option<String> {
     match port.need {
         Need::Param(name, _) => Some(format!("{name}: {}", port_type(port.ty))),

@@ -1,4 +1,4 @@
-//! The life of the server, and its clock: messages as they come, and texts looked at again when their writers pause.
+//! Main loop of the server: handles messages, and analyses documents when their analysis is due.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender};
@@ -14,17 +14,17 @@ use crate::dispatch;
 use crate::wire::{Arrival, answer, outgoing};
 use crate::world::World;
 
-/// Where in its life the server is.
+/// Lifecycle phase of the server.
 enum Phase {
-    /// The client has not said what it can do.
+    /// Before the `initialize` request.
     New,
-    /// At work.
+    /// Initialised.
     Running(Box<World>),
-    /// Asked to shut down.
+    /// After the `shutdown` request.
     Down,
 }
 
-/// Serves until the client says `exit` or is gone.
+/// Runs the main loop until the client sends `exit` or disconnects. Returns an error without a prior `shutdown`.
 pub(crate) fn run(inbox: &Receiver<Arrival>, outbox: Sender<Value>) -> Result<(), &'static str> {
     let mut server = Server {
         phase: Phase::New,
@@ -44,11 +44,11 @@ pub(crate) fn run(inbox: &Receiver<Arrival>, outbox: Sender<Value>) -> Result<()
     }
     match server.phase {
         Phase::Down => Ok(()),
-        _ => Err("the client left without a word"),
+        _ => Err("the client disconnected without a shutdown request"),
     }
 }
 
-/// The next message, waited for no longer than something is due.
+/// Waits for the next message, at most until `due`.
 fn next(inbox: &Receiver<Arrival>, due: Option<Instant>) -> Result<Arrival, RecvTimeoutError> {
     let Some(due) = due else {
         return inbox.recv().map_err(|_| RecvTimeoutError::Disconnected);
@@ -67,7 +67,7 @@ struct Server {
 
 impl Server {
     fn send(&self, message: Value) {
-        // Nobody reads it only if the client is gone, which the inbox tells, too.
+        // Sending fails only if the writer has stopped; the inbox then reports the disconnected client.
         let _ = self.outbox.send(message);
     }
 
@@ -85,9 +85,9 @@ impl Server {
     fn request(&mut self, request: Request) {
         let result = match (request.method.as_str(), &mut self.phase) {
             ("initialize", Phase::New) => self.initialize(request.params),
-            ("initialize", _) => refused(ErrorCode::InvalidRequest, "initialized already"),
+            ("initialize", _) => refused(ErrorCode::InvalidRequest, "already initialized"),
             (_, Phase::New) => refused(ErrorCode::ServerNotInitialized, "not initialized yet"),
-            (_, Phase::Down) => refused(ErrorCode::InvalidRequest, "shut down already"),
+            (_, Phase::Down) => refused(ErrorCode::InvalidRequest, "already shut down"),
             ("shutdown", Phase::Running(_)) => {
                 self.phase = Phase::Down;
                 Ok(Value::Null)
@@ -138,7 +138,8 @@ impl Server {
     }
 }
 
-/// Does a piece of work. A fault of ours in it costs this piece, not the editor's session; it has been printed.
+/// Runs a piece of work and catches panics, so that a bug costs one request and not the session. The panic message has
+/// been printed.
 fn guarded<T>(work: impl FnOnce() -> T) -> Option<T> {
     catch_unwind(AssertUnwindSafe(work)).ok()
 }
@@ -150,6 +151,6 @@ fn refused(code: ErrorCode, why: &str) -> Result<Value, (ErrorCode, String)> {
 fn broken(method: &str) -> Result<Value, (ErrorCode, String)> {
     refused(
         ErrorCode::InternalError,
-        &format!("a fault of ours in {method}"),
+        &format!("internal error in {method}"),
     )
 }

@@ -1,6 +1,7 @@
-//! Built-in texts as files that an editor can open: the standard library, and the pages of findings.
+//! Built-in texts as files that an editor can open: the standard library and the pages of diagnostic codes.
 //!
-//! They are laid into the user's cache when they are first referred to. Copies, to be read: the compiler uses its own.
+//! Copies are written to the user's cache directory on first use. They are for reading only: the compiler uses the
+//! embedded texts.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -8,16 +9,17 @@ use std::sync::{LazyLock, Mutex, PoisonError};
 
 use rpi_diag::Code;
 
-/// Names of the library's sources in findings begin so.
+/// Prefix of the source names of the standard library.
 const LIBRARY: &str = "stdlib/";
 
-/// Environment variables that name a folder for caches, and what is below it for us.
+/// Environment variables with a base directory, and the subdirectory of the cache below it.
 const CACHES: &[(&str, &str)] = &[
     ("XDG_CACHE_HOME", "rpi"),
     ("LOCALAPPDATA", "rpi"),
     ("HOME", ".cache/rpi"),
 ];
 
+/// Cache directory of this version of the tool.
 static SHELF: LazyLock<PathBuf> = LazyLock::new(|| {
     let set = |(name, below): &(&str, &str)| {
         let folder = std::env::var_os(name).map(PathBuf::from);
@@ -28,7 +30,7 @@ static SHELF: LazyLock<PathBuf> = LazyLock::new(|| {
     cache.join(env!("CARGO_PKG_VERSION"))
 });
 
-/// The file behind a source's name: of the standard library the copy on the shelf.
+/// Returns the path of a source file; for the standard library, the path of the copy in the cache.
 pub(crate) fn file_of(name: &str) -> PathBuf {
     library(name).unwrap_or_else(|| PathBuf::from(name))
 }
@@ -38,12 +40,12 @@ fn library(name: &str) -> Option<PathBuf> {
     lay(name, rpi_driver::library_text(module)?)
 }
 
-/// The page of a finding: what `rpic explain` prints.
+/// Returns the path of the page of a code, with the text that `rpic explain` prints.
 pub(crate) fn page_of(code: Code) -> Option<PathBuf> {
     lay(&format!("findings/{code}.md"), code.page())
 }
 
-/// What was laid onto the shelf by this process, and where; none where that failed.
+/// Paths of the copies written by this process, by name; [`None`] if writing failed.
 static LAID: Mutex<BTreeMap<String, Option<PathBuf>>> = Mutex::new(BTreeMap::new());
 
 fn lay(name: &str, text: &str) -> Option<PathBuf> {
@@ -52,7 +54,7 @@ fn lay(name: &str, text: &str) -> Option<PathBuf> {
     path.or_insert_with(|| written(name, text)).clone()
 }
 
-/// Writes a text if it is not there as it is.
+/// Writes a text to the cache unless the file already has this content. Returns its path.
 fn written(name: &str, text: &str) -> Option<PathBuf> {
     let path = SHELF.join(name);
     let is_there = std::fs::read(&path).is_ok_and(|old| old == text.as_bytes());

@@ -1,4 +1,4 @@
-//! The outline of a text: its declarations, and what has a name inside them.
+//! Outline of a document: its declarations, and the definitions nested in them.
 
 use std::collections::BTreeMap;
 
@@ -9,7 +9,7 @@ use rpi_sema::query::{Def, DefId, DefKind};
 use crate::places::Places;
 use crate::world::World;
 
-/// What an outline shows, and by which of the protocol's kinds.
+/// Symbol kinds of the protocol, by kind of definition. Other definitions are not part of the outline.
 const KINDS: &[(DefKind, SymbolKind)] = &[
     (DefKind::Const, SymbolKind::CONSTANT),
     (DefKind::Type, SymbolKind::STRUCT),
@@ -32,7 +32,7 @@ const KINDS: &[(DefKind, SymbolKind)] = &[
     (DefKind::State, SymbolKind::MODULE),
 ];
 
-/// The outline.
+/// Handles `textDocument/documentSymbol`.
 pub(crate) fn symbols(
     world: &mut World,
     params: DocumentSymbolParams,
@@ -56,7 +56,7 @@ pub(crate) fn symbols(
 
 struct Outline<'s> {
     places: Places<'s>,
-    /// What stands in each definition, or in none.
+    /// Definitions nested in each definition, or at top level.
     below: BTreeMap<Option<DefId>, Vec<(DefId, &'s Def)>>,
 }
 
@@ -66,7 +66,7 @@ impl Outline<'_> {
         defs.filter_map(|(id, def)| self.symbol(*id, def)).collect()
     }
 
-    // A field of the protocol that is out of use must be given all the same.
+    // The struct has a deprecated field, which must be set nevertheless.
     #[allow(deprecated)]
     fn symbol(&self, id: DefId, def: &Def) -> Option<DocumentSymbol> {
         let (_, kind) = KINDS.iter().find(|(kind, _)| *kind == def.kind)?;

@@ -1,10 +1,10 @@
-//! Files as the protocol names them: `file:` addresses (RFC 8089) and paths.
+//! Conversion between `file:` URIs (RFC 8089) and paths.
 
 use std::path::{Path, PathBuf};
 
 use lsp_types::Uri;
 
-/// The path of a `file:` address; any other address stands for itself, as an editor's text that is in no file.
+/// Returns the path of a `file:` URI. Any other URI, such as that of an unsaved document, is used as a path unchanged.
 pub(crate) fn path_of(uri: &Uri) -> PathBuf {
     let text = uri.as_str();
     match text.strip_prefix("file://").and_then(local_path) {
@@ -13,7 +13,7 @@ pub(crate) fn path_of(uri: &Uri) -> PathBuf {
     }
 }
 
-/// The part after the host, decoded; a Windows path without its first slash.
+/// Returns the decoded path after the host; a Windows path without its leading slash.
 fn local_path(rest: &str) -> Option<String> {
     let path = decoded(&rest[rest.find('/')?..])?;
     let after_slash = path.trim_start_matches('/');
@@ -25,6 +25,7 @@ fn local_path(rest: &str) -> Option<String> {
     })
 }
 
+/// Resolves percent-encoding. Returns [`None`] if the result is not UTF-8.
 fn decoded(text: &str) -> Option<String> {
     let mut bytes = Vec::with_capacity(text.len());
     let mut rest = text.as_bytes();
@@ -40,7 +41,7 @@ fn decoded(text: &str) -> Option<String> {
     String::from_utf8(bytes).ok()
 }
 
-/// The address of a path; none for a relative one.
+/// Returns the `file:` URI of a path; [`None`] for a relative path.
 pub(crate) fn uri_of(path: &Path) -> Option<Uri> {
     let text = path.to_str()?.replace('\\', "/");
     let has_drive = text.as_bytes().get(1) == Some(&b':');
@@ -49,6 +50,7 @@ pub(crate) fn uri_of(path: &Path) -> Option<Uri> {
     is_absolute.then(|| format!("{start}{}", encoded(&text)).parse().ok())?
 }
 
+/// Percent-encodes all characters of a path that are not unreserved (RFC 3986), except `/`.
 fn encoded(path: &str) -> String {
     let mut out = String::with_capacity(path.len());
     for byte in path.bytes() {

@@ -1,5 +1,5 @@
-//! Bytes and messages: a header with the length, then JSON (JSON-RPC 2.0). What is no message is answered as such, and
-//! the next one is read.
+//! Message framing: a header with the length, then JSON (JSON-RPC 2.0). An invalid message is answered with an error,
+//! and reading continues with the next one.
 
 use std::io::{self, BufRead, Read, Write};
 use std::sync::mpsc::{Receiver, Sender};
@@ -7,16 +7,16 @@ use std::sync::mpsc::{Receiver, Sender};
 use lsp_server::{ErrorCode, Message, RequestId, Response};
 use serde_json::Value;
 
-/// What arrives: a message, or the answer to something that is none.
+/// Received message, or the error response to an invalid one.
 pub(crate) type Arrival = Result<Message, Value>;
 
-/// The longest message that is read.
+/// Maximum length of a message in bytes.
 const MAX_LENGTH: u64 = 256 << 20;
 
-/// The longest line of a header.
+/// Maximum length of a header line in bytes.
 const MAX_LINE: u64 = 4096;
 
-/// Reads messages to the end of the input.
+/// Reads messages until the end of the input and sends them to the channel.
 pub(crate) fn read_all(mut input: impl BufRead, to: &Sender<Arrival>) {
     while let Ok(Some(body)) = read_body(&mut input) {
         if to.send(message(&body)).is_err() {
@@ -25,7 +25,7 @@ pub(crate) fn read_all(mut input: impl BufRead, to: &Sender<Arrival>) {
     }
 }
 
-/// Writes messages until nobody sends any more.
+/// Writes messages until the channel is closed.
 pub(crate) fn write_all(mut output: impl Write, from: &Receiver<Value>) -> io::Result<()> {
     for message in from {
         let text = message.to_string();
@@ -35,7 +35,7 @@ pub(crate) fn write_all(mut output: impl Write, from: &Receiver<Value>) -> io::R
     Ok(())
 }
 
-/// The bytes of the next message; none at the end of the input.
+/// Returns the body of the next message; [`None`] at the end of the input.
 fn read_body(input: &mut impl BufRead) -> io::Result<Option<Vec<u8>>> {
     let mut length = None;
     loop {
@@ -46,7 +46,7 @@ fn read_body(input: &mut impl BufRead) -> io::Result<Option<Vec<u8>>> {
         let line = String::from_utf8_lossy(&line);
         match (line.trim(), length) {
             ("", Some(length)) => return read_exactly(input, length).map(Some),
-            // A header without a length, or what was no header: the next one may be.
+            // A header without a valid length: skipped, in search of the next header.
             ("", None) => {}
             (field, _) => length = content_length(field).or(length),
         }
@@ -70,32 +70,37 @@ fn read_exactly(input: &mut impl BufRead, length: u64) -> io::Result<Vec<u8>> {
 }
 
 fn message(body: &[u8]) -> Arrival {
-    let value: Value = serde_json::from_slice(body)
-        .map_err(|e| refusal(Value::Null, ErrorCode::ParseError, &format!("no JSON: {e}")))?;
+    let value: Value = serde_json::from_slice(body).map_err(|e| {
+        refusal(
+            Value::Null,
+            ErrorCode::ParseError,
+            &format!("invalid JSON: {e}"),
+        )
+    })?;
     let id = value.get("id").cloned().unwrap_or(Value::Null);
-    let text = "neither request, notification nor response";
+    let text = "not a request, notification or response";
     let invalid = || refusal(id, ErrorCode::InvalidRequest, text);
-    // A method that is no text would pass for no method: for a response.
+    // Without this check, a message with a method that is not a string would be parsed as a response.
     match value.get("method").is_none_or(Value::is_string) {
         true => serde_json::from_value(value).map_err(|_| invalid()),
         false => Err(invalid()),
     }
 }
 
-/// The answer to what is no message; of its number only what can be known.
+/// Creates the error response to an invalid message. `id` is null if it is unknown.
 fn refusal(id: Value, code: ErrorCode, text: &str) -> Value {
     let error = serde_json::json!({ "code": code as i32, "message": text });
     serde_json::json!({ "jsonrpc": "2.0", "id": id, "error": error })
 }
 
-/// A message as it goes over the wire.
+/// Converts a message to JSON, with the protocol version.
 pub(crate) fn outgoing(message: impl Into<Message>) -> Value {
     let mut value = serde_json::to_value(message.into()).unwrap_or_default();
     value["jsonrpc"] = Value::from("2.0");
     value
 }
 
-/// The answer to a request: what it asked for, or why not.
+/// Creates the response to a request, with its result or error.
 pub(crate) fn answer(id: RequestId, result: Result<Value, (ErrorCode, String)>) -> Value {
     outgoing(match result {
         Ok(value) => Response::new_ok(id, value),

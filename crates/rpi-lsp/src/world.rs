@@ -1,7 +1,7 @@
-//! The open texts, what is known of each, and what has been shown of it.
+//! Open documents, their analyses and published diagnostics.
 //!
-//! Each open text is the root of a program of its own, and a part of the programs that use it. What is found about a file
-//! by several roots is shown together, each finding once.
+//! Each open document is the root file of a program, and may be part of other programs. The diagnostics about a file
+//! from all these programs are published together, without duplicates.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -16,24 +16,25 @@ use crate::lines::Lines;
 use crate::places::Places;
 use crate::{diagnostics, uri};
 
-/// The longest pause that is waited for, however long it takes to look at a program.
+/// Maximum pause of the user that triggers an analysis, however long an analysis takes.
 const LONGEST_PAUSE: Duration = Duration::from_millis(200);
 
-/// A writer who never pauses sees findings that old.
+/// Maximum time from a change to its analysis if the user never pauses.
 const LONGEST_WAIT: Duration = Duration::from_millis(500);
 
-/// An open text.
+/// Open document.
 #[derive(Debug)]
 pub(crate) struct Document {
     pub(crate) uri: Uri,
     pub(crate) version: i32,
     pub(crate) text: String,
+    /// Last analysis.
     seen: Option<Rc<Inspected>>,
-    /// When to look at it again, and since when it is to be.
+    /// Due time of the next analysis, and the time of the first change since the last one.
     due: Option<(Instant, Instant)>,
-    /// How long it took to look at it.
+    /// Duration of the last analysis.
     cost: Duration,
-    /// What was found, by file.
+    /// Diagnostics of the last analysis, by file.
     found: BTreeMap<PathBuf, Vec<Diagnostic>>,
 }
 
@@ -50,13 +51,15 @@ impl Document {
         }
     }
 
-    /// Looks at it again when the writer pauses for as long as that took last time.
+    /// Schedules an analysis after a pause as long as the last analysis took, within the limits.
     fn wait(&mut self, now: Instant) {
         let since = self.due.map_or(now, |(_, since)| since);
+        // The slower the analysis, the longer the pause: fast typing then never queues up analyses.
         let pause = self.cost.min(LONGEST_PAUSE);
         self.due = Some(((now + pause).min(since + LONGEST_WAIT), since));
     }
 
+    /// Returns whether the program of the document includes the file.
     fn uses(&self, path: &Path) -> bool {
         let names = |seen: &Rc<Inspected>| {
             let mut files = seen.sources.files();
@@ -66,24 +69,24 @@ impl Document {
     }
 }
 
-/// What is found about a file, for the client.
+/// Diagnostics of a file to be published.
 pub(crate) struct Shown {
     pub(crate) uri: Uri,
     pub(crate) version: Option<i32>,
     pub(crate) diagnostics: Vec<Diagnostic>,
 }
 
-/// All that the server knows.
+/// State of the server: client, open documents, published diagnostics.
 pub(crate) struct World {
     pub(crate) client: Client,
     documents: BTreeMap<PathBuf, Document>,
-    /// What is to be shown.
+    /// Diagnostics to be published.
     shown: Vec<Shown>,
-    /// What was shown last of each file, for which version: the same is not shown again.
+    /// Version and diagnostics last published for each file. Unchanged diagnostics are not published again.
     last_shown: BTreeMap<PathBuf, (Option<i32>, Vec<Diagnostic>)>,
 }
 
-/// Texts as they are in the editor, others as they are on disk.
+/// File system view: open documents as in the editor, other files from disk.
 struct Overlay<'w>(&'w BTreeMap<PathBuf, Document>);
 
 impl Files for Overlay<'_> {
@@ -109,11 +112,11 @@ impl World {
         let path = uri::path_of(&uri);
         self.documents
             .insert(path, Document::new(uri, version, text));
-        // What others use may be there only now.
+        // Other documents may use this one, and may not have found it so far.
         self.all_changed();
     }
 
-    /// Applies changes one after the other, as the protocol has it.
+    /// Applies changes to a document. Each change refers to the text after the previous one.
     pub(crate) fn change(
         &mut self,
         uri: &Uri,
@@ -148,7 +151,7 @@ impl World {
         }
     }
 
-    /// A file is not what it was: whatever uses it is looked at again.
+    /// Schedules the analysis of all documents that use a changed file.
     pub(crate) fn changed(&mut self, path: &Path) {
         let now = Instant::now();
         for (own, document) in &mut self.documents {
@@ -158,7 +161,7 @@ impl World {
         }
     }
 
-    /// Files on disk came, went or changed, which may be found now or not any more.
+    /// Schedules the analysis of all documents, after files on disk were created, deleted or changed.
     pub(crate) fn all_changed(&mut self) {
         let now = Instant::now();
         self.documents
@@ -170,13 +173,13 @@ impl World {
         self.documents.get(&uri::path_of(uri))
     }
 
-    /// The addresses of the open texts.
+    /// Returns the URIs of the open documents.
     pub(crate) fn open_texts(&self) -> Vec<Uri> {
         let documents = self.documents.values();
         documents.map(|document| document.uri.clone()).collect()
     }
 
-    /// The address of a file: as the client writes it, if it is open.
+    /// Returns the URI of a file: the client's URI if the file is open.
     pub(crate) fn uri_of(&self, path: &Path) -> Option<Uri> {
         match self.documents.get(path) {
             Some(document) => Some(document.uri.clone()),
@@ -184,12 +187,12 @@ impl World {
         }
     }
 
-    /// The version of a file that is open.
+    /// Returns the version of a file, if it is open.
     pub(crate) fn version_of(&self, path: &Path) -> Option<i32> {
         self.documents.get(path).map(|document| document.version)
     }
 
-    /// What is known of an open text as it is now.
+    /// Returns the analysis of the current text of an open document. Analyses it if it has changed.
     pub(crate) fn see(&mut self, uri: &Uri) -> Option<Rc<Inspected>> {
         let path = uri::path_of(uri);
         if self.documents.get(&path)?.due.is_some() {
@@ -198,13 +201,13 @@ impl World {
         self.documents.get(&path)?.seen.clone()
     }
 
-    /// When the next text is to be looked at.
+    /// Returns the due time of the next analysis.
     pub(crate) fn next_due(&self) -> Option<Instant> {
         let dues = self.documents.values().filter_map(|document| document.due);
         dues.map(|(due, _)| due).min()
     }
 
-    /// Looks at every text whose writer has paused.
+    /// Analyses every document whose analysis is due.
     pub(crate) fn look_at_due(&mut self) {
         let now = Instant::now();
         let is_due = |document: &Document| document.due.is_some_and(|(due, _)| due <= now);
@@ -216,7 +219,7 @@ impl World {
         due.iter().for_each(|path| self.look(path));
     }
 
-    /// Leaves alone what could not be looked at until it changes.
+    /// Cancels the analyses that are due, after one has panicked. The documents are analysed again when they change.
     pub(crate) fn give_up_due(&mut self) {
         let now = Instant::now();
         for document in self.documents.values_mut() {
@@ -243,7 +246,7 @@ impl World {
         files.iter().for_each(|file| self.show(file));
     }
 
-    /// All that is found about a file, by whatever root.
+    /// Collects the diagnostics about a file from all programs, for publication.
     fn show(&mut self, file: &Path) {
         let mut diagnostics: Vec<Diagnostic> = Vec::new();
         for found in self.documents.values().filter_map(|d| d.found.get(file)) {
@@ -268,12 +271,12 @@ impl World {
         }
     }
 
-    /// What is to be shown since this was asked last.
+    /// Returns the diagnostics to be published since the last call.
     pub(crate) fn take_shown(&mut self) -> Vec<Shown> {
         std::mem::take(&mut self.shown)
     }
 
-    /// Places of a program as the client counts.
+    /// Creates a span converter for a program, in the position encoding of the client.
     pub(crate) fn places<'s>(&self, seen: &'s Inspected) -> Places<'s> {
         Places::new(seen, self.client.encoding)
     }

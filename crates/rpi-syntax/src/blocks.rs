@@ -1,31 +1,31 @@
-//! Marks statements of Kind 2 that hold equations: `if`, `when`, `cond` and `frame`, the alternatives of `match`, and the
-//! question `A?(x)`.
+//! Marks Kind 2 constructs in the tokens of a `.lus` file: the blocks of equations `if`, `when`, `cond` and `frame`,
+//! the alternatives of `match`, and the constructor test `A?(x)`.
 //!
-//! Their words are those of expressions and names, and only the place tells them apart: an equation never begins with
-//! `if`, and `fi`, `elsif`, `cond`, `frame` and `end` are names everywhere else. One pass over the tokens of a `.lus` file, which
-//! keeps what is open on a stack; the grammar sees tokens of their own.
+//! Their keywords also occur in expressions and as names, so only the position distinguishes them: an equation never
+//! begins with `if`, and `fi`, `elsif`, `cond`, `frame` and `end` are names everywhere else. One pass over the tokens
+//! keeps a stack of open constructs and replaces these keywords by tokens of their own.
 
 use crate::lexer::Lexeme;
 use crate::token::Token;
 
-/// What is open, innermost last.
+/// Open construct on the stack of the [`Marker`].
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Open {
-    /// `let`: statements follow one another.
+    /// Body after `let`: a list of statements.
     Body,
-    /// The condition of a block: so many `if` of values wait for their `then`.
+    /// Condition of a block. `waiting` counts the `if` of expressions in it that still need their `then`.
     Condition { opener: Token, waiting: u32 },
-    /// The branches of a block.
+    /// Branches of a block.
     Branches(Token),
-    /// From `frame` to its `let`.
+    /// Header of a `frame`, up to its `let`.
     FrameHead,
-    /// `match` of values.
+    /// `match` expression.
     Match,
-    /// A bracket.
+    /// Bracket.
     Bracket,
 }
 
-/// For each token whether a word that ends blocks follows in its body.
+/// Returns for each token whether a keyword that closes blocks follows in the same body.
 fn closed(text: &str, lexemes: &[Lexeme]) -> Vec<bool> {
     let mut is_closed = false;
     let mut closed = vec![false; lexemes.len()];
@@ -44,7 +44,7 @@ fn closed(text: &str, lexemes: &[Lexeme]) -> Vec<bool> {
     closed
 }
 
-/// Marks the tokens.
+/// Replaces the keywords of Kind 2 constructs by tokens of their own.
 pub(crate) fn mark(text: &str, lexemes: &mut [Lexeme]) {
     let mut marker = Marker {
         text,
@@ -58,12 +58,14 @@ pub(crate) fn mark(text: &str, lexemes: &mut [Lexeme]) {
     }
 }
 
+/// State of the pass over the tokens.
 struct Marker<'t> {
     text: &'t str,
+    /// Open constructs, innermost last.
     open: Vec<Open>,
-    /// Whether a statement may begin here.
+    /// Whether a statement may begin at the next token.
     begins: bool,
-    /// Where a block could still be ended.
+    /// For each token, whether a keyword that closes blocks follows in the same body.
     closed: Vec<bool>,
 }
 
@@ -85,7 +87,7 @@ impl Marker<'_> {
         matches!(self.open.last(), Some(Open::Body | Open::Branches(_)))
     }
 
-    /// The token of a statement of Kind 2 that begins, goes on or ends here.
+    /// Returns the token that replaces the first token of a statement, if it begins, continues or closes a block.
     fn first(&mut self, lexemes: &[Lexeme], at: usize) -> Option<Token> {
         let next = lexemes.get(at + 1).map(|lexeme| lexeme.token);
         let is_name = matches!(
@@ -97,7 +99,7 @@ impl Marker<'_> {
             _ => None,
         };
         match (lexemes[at].token, self.written(lexemes[at])) {
-            // What goes before it may be `fi`, which was a name so far.
+            // After `fi`, which was a name so far, `check` was taken for a name, too.
             (Token::Ident, "check") if !is_name => Some(Token::Check),
             (Token::If, _) if self.closed[at] => Some(self.opens(Token::IfBlock)),
             (Token::When, _) => Some(self.opens(Token::WhenBlock)),
@@ -146,7 +148,7 @@ impl Marker<'_> {
         Some(as_token)
     }
 
-    /// Keeps count of what is open.
+    /// Updates the stack of open constructs and returns the token, replaced where necessary.
     fn follow(&mut self, lexeme: Lexeme, next: Option<Token>) -> Token {
         use Token::{
             Bar, Colon, End, If, LBrace, LBracket, LParen, LStatic, Let, Match, Question, RBrace,
@@ -195,7 +197,7 @@ impl Marker<'_> {
         self.begins = true;
     }
 
-    /// Whatever is still open in a body ends with it.
+    /// Closes the innermost body with everything that is still open in it.
     fn tel(&mut self) {
         let body = self.open.iter().rposition(|open| *open == Open::Body);
         self.open.truncate(body.unwrap_or(0));

@@ -1,25 +1,25 @@
-//! Groups a flat chain of operators and operands by the table of operators.
+//! Groups a flat chain of operators and operands by operator precedence.
 //!
-//! The grammar hands over `a + b * c` piece by piece. Operators whose right operand may still grow
-//! wait on a stack; one is applied as soon as an operator arrives that binds less strongly.
+//! The grammar delivers `a + b * c` piece by piece. Operators whose right operand is incomplete wait on a stack. They
+//! are applied when an operator of lower precedence follows (operator-precedence parsing).
 
 use crate::ast::{Binary, Clock, Expr, ExprKind, Ident, If, Quantified, StaticArg, VarDecl, When};
 use crate::context::Context;
 use crate::ops::{BinaryOp, Grouping, LEVEL_IF, LEVEL_WHEN, Level, UnaryOp};
 use rpi_diag::Span;
 
-/// What stands before an operand.
+/// Prefix of an operand: unary operator, conversion, conditional or quantifier.
 pub(crate) enum Prefix {
     Unary(UnaryOp),
-    /// `int8 x`: the conversion.
+    /// `int8 x`: the target type and its static arguments (the width of `sint@<25>`).
     Convert(Ident, Vec<StaticArg>),
-    /// `if c then x else`: whether it is static, the condition, the first branch.
+    /// `if c then x else`: whether it is static (`with`), the condition, and the first branch.
     If(Box<(bool, Expr, Expr)>),
-    /// `forall (x: int)`: whether for all, and over what.
+    /// `forall (x: int)`: whether it is `forall` (not `exists`), and the bound variables.
     Quantifier(bool, Vec<VarDecl>),
 }
 
-/// An operand with what stands before it, outermost last.
+/// Operand with its prefixes and their start offsets, outermost last.
 pub(crate) struct Term {
     prefixes: Vec<(Prefix, u32)>,
     operand: Expr,
@@ -33,20 +33,20 @@ impl Term {
         }
     }
 
-    /// The term after `prefix`, which begins at `start`.
+    /// Adds an outer prefix that begins at the byte offset `start`.
     pub(crate) fn prefixed(mut self, prefix: Prefix, start: u32) -> Term {
         self.prefixes.push((prefix, start));
         self
     }
 }
 
-/// An expression whose end has not been seen.
+/// Expression under construction, whose end has not been reached.
 pub(crate) struct Chain {
     waiting: Vec<Waiting>,
     last: Expr,
 }
 
-/// An operator whose right operand may still grow.
+/// Operator whose right operand is incomplete.
 enum Waiting {
     Binary { lhs: Expr, op: BinaryOp, span: Span },
     Prefix(Prefix, u32),
@@ -72,7 +72,7 @@ impl Chain {
         chain.open(term.prefixes)
     }
 
-    /// The chain with `op term` after it.
+    /// Appends `op term`. `span` is the place of the operator.
     pub(crate) fn push(mut self, cx: &Context<'_>, op: BinaryOp, span: Span, term: Term) -> Chain {
         if let ExprKind::When(_) = self.last.kind {
             cx.note_sampled_part(self.last.span);
@@ -83,7 +83,7 @@ impl Chain {
         self.open(term.prefixes)
     }
 
-    /// The chain with `when clock` after it.
+    /// Appends `when clock`.
     pub(crate) fn when(mut self, cx: &Context<'_>, clock: Clock) -> Chain {
         self.apply_while(cx, |waiting| waiting.level() > LEVEL_WHEN);
         let span = self.last.span.merge(clock.span);
@@ -96,7 +96,7 @@ impl Chain {
         self
     }
 
-    /// The expression, now that its end has been seen.
+    /// Applies all waiting operators and returns the expression.
     pub(crate) fn finish(mut self, cx: &Context<'_>) -> Expr {
         self.apply_while(cx, |_| true);
         self.last
@@ -109,7 +109,8 @@ impl Chain {
         self
     }
 
-    /// Applies what binds more strongly than `op` or, grouping to the left, as strongly.
+    /// Applies the waiting operators of higher precedence than `op`, and those of equal precedence unless `op` is
+    /// right-associative. Reports chained comparisons.
     fn apply_stronger_than(&mut self, cx: &Context<'_>, op: BinaryOp, span: Span) {
         self.apply_while(cx, |waiting| waiting.level() > op.level());
         if let (
@@ -122,6 +123,7 @@ impl Chain {
         ) = (op.grouping(), self.waiting.last())
             && other.level() == op.level()
         {
+            // Only `a < b < c` has an obvious correction, `a < b and b < c`; `a = b = c` has none.
             let is_order = other.is_order() && op.is_order();
             cx.comparisons_in_a_row([*at, span], is_order.then_some(self.last.span));
         }
@@ -138,7 +140,7 @@ impl Chain {
     }
 }
 
-/// The operator with its right operand.
+/// Applies a waiting operator to its right operand.
 fn applied(cx: &Context<'_>, waiting: Waiting, rhs: Expr) -> Expr {
     match waiting {
         Waiting::Binary { lhs, op, span } => {

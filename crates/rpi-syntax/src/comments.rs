@@ -1,50 +1,50 @@
-//! Comments, kept beside the tree.
+//! Comments, stored separately from the syntax tree.
 
 use crate::ast::Doc;
 use rpi_diag::Span;
 
-/// What a comment is for.
+/// Kind of a comment.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum CommentKind {
     /// `-- remark`
     Line,
-    /// `--| text`: documentation of the declaration that follows
+    /// `--| text`: documentation of the next declaration
     Doc,
-    /// `--%MAIN`: a mark for tools
+    /// `--%MAIN`: pragma for other tools
     Pragma,
-    /// `--%PROPERTY x;`: a property in the manner of Kind 2 that is not read
+    /// `--%PROPERTY x;`: Kind 2 property that is not parsed
     Property,
     /// `(* remark *)`, `/* remark */`
     Block,
-    /// `(*@contract ... *)`: a contract in the manner of Kind 2 that is not read
+    /// `(*@contract ... *)`: Kind 2 contract that is not parsed
     Contract,
 }
 
-/// A comment at its place.
+/// Comment with its source range.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Comment {
-    /// What it is for.
+    /// Kind of the comment.
     pub kind: CommentKind,
-    /// All of it, marks included.
+    /// Source range, comment markers included.
     pub span: Span,
 }
 
-/// The comments of a file in text order.
+/// Comments of a file.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct Comments {
-    /// All of them, in text order.
+    /// Comments in text order.
     pub all: Vec<Comment>,
 }
 
 impl Comments {
-    /// Whether any of them is documentation.
+    /// Returns whether any comment is documentation.
     pub(crate) fn has_docs(&self) -> bool {
         self.all.iter().any(|c| c.kind == CommentKind::Doc)
     }
 
-    /// The text of the doc comments that end right before `start`, lines joined by `\n`.
+    /// Returns the text of the doc comments directly before the byte offset `start`, lines joined by `\n`.
     ///
-    /// Between them, and before `start`, at most the end of one line may stand.
+    /// At most one line break may lie between two of them, and between the last one and `start`.
     pub(crate) fn doc_before(&self, text: &str, start: u32) -> Option<Doc> {
         let end = self.all.partition_point(|c| c.span.start < start);
         let mut next = start;
@@ -61,7 +61,7 @@ impl Comments {
         (!lines.is_empty()).then(|| lines.join("\n").into())
     }
 
-    /// The comments that begin at `start` or later and before `end`, as byte offsets.
+    /// Returns the comments that begin in `start..end` (byte offsets).
     pub fn between(&self, start: u32, end: u32) -> &[Comment] {
         let from = self.all.partition_point(|c| c.span.start < start);
         let len = self.all[from..].partition_point(|c| c.span.start < end);
@@ -69,12 +69,12 @@ impl Comments {
     }
 }
 
-/// Whether the text is white and ends one line at most.
+/// Returns whether the text is white space with at most one line break.
 fn is_one_break(gap: &str) -> bool {
     gap.trim().is_empty() && gap.matches('\n').count() <= 1
 }
 
-/// What stands after `--|`, without the space that sets it off.
+/// Returns the text after `--|`, without the leading space.
 fn doc_line(text: &str, span: Span) -> &str {
     let line = &text[span.start as usize + 3..span.end as usize];
     line.strip_prefix(' ').unwrap_or(line).trim_end()

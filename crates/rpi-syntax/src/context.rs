@@ -1,4 +1,4 @@
-//! What the actions of the grammar need to know about the text.
+//! State shared by the grammar actions while a file is parsed.
 
 use crate::Mode;
 use crate::ast::{Doc, Ident, Name};
@@ -11,10 +11,10 @@ use rpi_diag::{Code, FileId, Finding, Span};
 use std::cell::{Cell, RefCell};
 use std::collections::BTreeMap;
 
-/// How many faults of a file are mended. Whoever has more gets to know of the first one of each declaration.
+/// Maximum number of errors per file with recovery. Beyond it, only the first error of each declaration is reported.
 const PATIENCE: usize = 10_000;
 
-/// The text being parsed, with what is found on the way.
+/// Text being parsed, with the diagnostics found so far.
 pub(crate) struct Context<'t> {
     pub(crate) file: FileId,
     pub(crate) text: &'t str,
@@ -23,14 +23,15 @@ pub(crate) struct Context<'t> {
     pub(crate) seeming: Seeming<'t>,
     comments: &'t Comments,
     lexemes: &'t [Lexeme],
+    /// Text that replaces a literal of another language, by its byte range.
     read_as: &'t BTreeMap<(u32, u32), String>,
     has_docs: bool,
     findings: RefCell<Vec<Finding>>,
-    /// How many faults may still be mended.
+    /// Number of errors that may still be recovered from.
     patience: Cell<usize>,
-    /// Statements of other languages, of which all is said: their signs are not told besides.
+    /// Statements of other languages that have been reported. Foreign operators inside them are not reported again.
     foreign: RefCell<Vec<Span>>,
-    /// The names that a broken phrase seems to define, by the offset where it starts.
+    /// Names that a phrase with a syntax error seems to define, by its start offset.
     broken: RefCell<BTreeMap<u32, Vec<Ident>>>,
 }
 
@@ -57,7 +58,7 @@ impl<'t> Context<'t> {
         Span::new(self.file, start, end)
     }
 
-    /// The range from `start` to the last token that begins before `end`.
+    /// Returns the span from `start` to the end of the last token that begins before `end`.
     pub(crate) fn span_to_token(&self, start: u32, end: u32) -> Span {
         let after = self.lexemes.partition_point(|lexeme| lexeme.start < end);
         let last = self.lexemes[..after]
@@ -72,21 +73,21 @@ impl<'t> Context<'t> {
             .unwrap_or_default()
     }
 
-    /// The white space before the line of this place.
+    /// Returns the indentation of the line that contains the byte offset.
     pub(crate) fn indent_of_line(&self, at: u32) -> &'t str {
         let before = self.slice(0, at);
         let line = &self.text[before.rfind('\n').map_or(0, |end| end + 1)..];
         &line[..line.len() - line.trim_start_matches([' ', '\t']).len()]
     }
 
-    /// How far in the line begins, if what stands here is the first in it.
+    /// Returns the indentation in bytes if the offset is at the first token of its line.
     pub(crate) fn indent(&self, at: u32) -> Option<usize> {
         let before = self.slice(0, at);
         let rest = before.trim_end_matches([' ', '\t']);
         (rest.is_empty() || rest.ends_with('\n')).then_some(before.len() - rest.len())
     }
 
-    /// The name or number at a place, as it is read.
+    /// Returns the name or number at a byte range. A literal of another language is replaced by its RPI form.
     pub(crate) fn name(&self, start: u32, end: u32) -> Name {
         let other = match self.read_as.is_empty() {
             true => None,
@@ -103,17 +104,17 @@ impl<'t> Context<'t> {
         }
     }
 
-    /// A name for a text that does not stand in the source as it is.
+    /// Interns a text that does not occur verbatim in the source.
     pub(crate) fn intern(&self, text: &str) -> Name {
         self.names.name(text)
     }
 
-    /// The comments at a stretch of the text.
+    /// Returns the comments that begin in `start..end`.
     pub(crate) fn comments_between(&self, start: u32, end: u32) -> &'t [Comment] {
         self.comments.between(start, end)
     }
 
-    /// The doc comment that ends right before `start`.
+    /// Returns the doc comment directly before the byte offset `start`.
     pub(crate) fn doc(&self, start: u32) -> Option<Doc> {
         match self.has_docs {
             true => self.comments.doc_before(self.text, start),
@@ -125,33 +126,37 @@ impl<'t> Context<'t> {
         self.findings.borrow_mut().push(finding);
     }
 
-    /// What has been found so far, which is then forgotten.
+    /// Returns the diagnostics so far and clears them.
     pub(crate) fn take_findings(&self) -> Vec<Finding> {
         self.findings.take()
     }
 
-    /// Whether one more fault may be mended, which costs reading a declaration again.
+    /// Returns whether recovery from one more error is allowed, and counts it. Each recovery parses a declaration
+    /// again.
     pub(crate) fn may_mend(&self) -> bool {
         let left = self.patience.get().checked_sub(1);
         self.patience.set(left.unwrap_or(0));
         left.is_some()
     }
 
+    /// Suppresses diagnostics about foreign operators in a statement of another language.
     pub(crate) fn swallow_signs(&self, statement: Span) {
         self.foreign.borrow_mut().push(statement);
     }
 
+    /// Returns the statements of other languages that have been reported, in text order.
     pub(crate) fn foreign_statements(self) -> Vec<Span> {
         let mut foreign = self.foreign.into_inner();
         foreign.sort_unstable_by_key(|statement| statement.start);
         foreign
     }
 
+    /// Records the names that the phrase with a syntax error at `start` seems to define.
     pub(crate) fn set_broken(&self, start: u32, names: Vec<Ident>) {
         self.broken.borrow_mut().insert(start, names);
     }
 
-    /// The names that the broken phrase at `start` seems to define.
+    /// Returns the names that the phrase with a syntax error at `start` seems to define.
     pub(crate) fn broken_names(&self, start: u32) -> Vec<Ident> {
         self.broken
             .borrow()
@@ -160,8 +165,8 @@ impl<'t> Context<'t> {
             .unwrap_or_default()
     }
 
-    /// Two comparisons, one behind the other; `middle` is what stands between them if both could be meant. Further ones
-    /// of the same row are not told again.
+    /// Reports chained comparisons: `a < b < c`. `middle` is the operand between them if both may be meant. Further
+    /// comparisons of the same chain extend the diagnostic.
     pub(crate) fn comparisons_in_a_row(&self, signs: [Span; 2], middle: Option<Span>) {
         let text = middle.map(|span| (span, self.slice(span.start, span.end)));
         let mut findings = self.findings.borrow_mut();
@@ -174,8 +179,7 @@ impl<'t> Context<'t> {
         }
     }
 
-    /// `x when c` is an operand of something larger: Kind 2 reads that differently.
-    /// `-x ** y`: the sign with its operand, and the power.
+    /// Warns about `-x ** y` in RPI files. `base` is the negated operand, `power` the exponent.
     pub(crate) fn note_signed_base(&self, base: Span, power: Span) {
         if self.mode == Mode::Rpi {
             let text = self.slice(base.start, power.end);
@@ -183,6 +187,7 @@ impl<'t> Context<'t> {
         }
     }
 
+    /// Warns about `x when c` as an operand in Lustre files: Kind 2 parses it differently.
     pub(crate) fn note_sampled_part(&self, part: Span) {
         if self.mode == Mode::Lustre {
             self.report(phrase::when_binds_tightly(part));

@@ -1,11 +1,12 @@
-//! The names that broken text seems to declare, so that one fault does not become many.
+//! Names that text with syntax errors seems to declare, so that their uses cause no follow-up errors.
 
 use crate::ast::{Declared, DeclaredKind, Ident};
 use crate::context::Context;
 use crate::lexer::Lexeme;
 use crate::token::Token;
 
-/// The names that a broken phrase seems to define: targets of an equation, ports, a label, a result.
+/// Returns the names that a phrase with a syntax error seems to define: targets of an equation, ports, a label, a
+/// result.
 pub(crate) fn by_phrase(cx: &Context<'_>, phrase: &[Lexeme]) -> Vec<Ident> {
     use Token::{Automaton, Fail, Finish, Fragment, State, Yield};
     let head = phrase.first().map(|lexeme| lexeme.token);
@@ -20,13 +21,14 @@ pub(crate) fn by_phrase(cx: &Context<'_>, phrase: &[Lexeme]) -> Vec<Ident> {
     names
 }
 
-/// What equations within a phrase define, as those in the states of an automaton do, and in the cases of other languages.
+/// Returns the targets of the equations inside a phrase, such as those in states of an automaton or in cases of other
+/// languages.
 pub(crate) fn inside(cx: &Context<'_>, phrase: &[Lexeme]) -> impl Iterator<Item = Ident> {
     use Token::{Colon, Eq, Ident, Let, Semi};
     let colon = phrase.get(1).filter(|second| second.token == Colon);
     let is_equation = move |w: &&[Lexeme]| {
         let [before, name, after] = [w[0], w[1], w[2]].map(|lexeme| lexeme.token);
-        // `a: Pose = ...` says a type.
+        // In `a: Pose = ...` the upper-case name is a type, not a target.
         let is_type = colon.is_some_and(|colon| colon.start == w[0].start)
             && cx
                 .slice(w[1].start, w[1].end)
@@ -37,7 +39,7 @@ pub(crate) fn inside(cx: &Context<'_>, phrase: &[Lexeme]) -> impl Iterator<Item 
     equations.map(|w| cx.ident(w[1].start, w[1].end))
 }
 
-/// The names that a broken declaration seems to declare.
+/// Returns the names that a declaration with a syntax error seems to declare.
 pub(crate) fn by_item(cx: &Context<'_>, lexemes: &[Lexeme]) -> Vec<Ident> {
     match lexemes.first().map(|lexeme| lexeme.token) {
         Some(Token::Const | Token::Datatype | Token::Type) => {
@@ -51,7 +53,7 @@ pub(crate) fn by_item(cx: &Context<'_>, lexemes: &[Lexeme]) -> Vec<Ident> {
     }
 }
 
-/// The alternatives of a broken `datatype`: those with parts are called.
+/// Returns the constructors of a `datatype` with a syntax error. Those with fields are callable.
 pub(crate) fn alternatives(cx: &Context<'_>, lexemes: &[Lexeme]) -> Vec<Declared> {
     use Token::{Bar, Case, Datatype, Eq, Ident, LParen};
     let is_datatype = lexemes
@@ -71,8 +73,8 @@ pub(crate) fn alternatives(cx: &Context<'_>, lexemes: &[Lexeme]) -> Vec<Declared
     declared.collect()
 }
 
-/// The names before the first `=` or `:`, apart from fields and what stands in brackets; where neither is there, those that
-/// the phrase begins with.
+/// Returns the names before the first `=` or `:`, without fields and indices. Without `=` and `:`, returns the names at
+/// the start of the phrase.
 fn before_definition(cx: &Context<'_>, phrase: &[Lexeme]) -> Vec<Ident> {
     let defines = |lexeme: &Lexeme| matches!(lexeme.token, Token::Eq | Token::Colon);
     match phrase.iter().position(defines) {

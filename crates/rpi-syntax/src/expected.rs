@@ -1,23 +1,23 @@
-//! The tokens that would have been accepted, in words.
+//! Descriptions of the tokens that the grammar would have accepted.
 //!
-//! The grammar names dozens of tokens where people think "an expression". The tables here turn sets
-//! of tokens into such words, and say what a name would be for.
+//! The grammar lists dozens of tokens where a reader expects "an expression". The tables turn sets of tokens into such
+//! terms, and state the purpose of an expected name.
 
 use crate::token::Token;
 
-/// The names that the grammar gives to tokens without a fixed spelling.
+/// Grammar names of the tokens without a fixed spelling, with their descriptions.
 const CLASSES: &[(&str, Token, &str)] = &[
     ("NAME", Token::Ident, "a name"),
     ("PATH", Token::Path, "a qualified name"),
     ("INT", Token::Int, "an integer"),
     ("REAL", Token::Real, "a real number"),
-    ("STRING", Token::Str, "a text in quotes"),
-    ("LABEL", Token::Label, "a text in quotes"),
+    ("STRING", Token::Str, "a string literal"),
+    ("LABEL", Token::Label, "a string literal"),
     ("PROPERTY", Token::Property, "a property"),
     ("BROKEN", Token::Broken, ""),
 ];
 
-/// The token that the grammar means by a name, `"let"` or `NAME`.
+/// Returns the token with this name in the grammar: `"let"` or `NAME`.
 pub(crate) fn token(name: &str) -> Option<Token> {
     match name.starts_with('"') {
         true => Token::of_spelling(name.trim_matches('"')),
@@ -28,18 +28,18 @@ pub(crate) fn token(name: &str) -> Option<Token> {
     }
 }
 
-/// A set of tokens that people have one word for.
+/// Set of tokens with a common term.
 struct Group {
     words: &'static str,
-    /// The group is meant if all of these would be accepted.
+    /// The group applies if all of these tokens are expected.
     needs: &'static [Token],
-    /// These are then covered by the words.
+    /// Tokens that the term then replaces.
     covers: &'static [Token],
 }
 
 use Token::*;
 
-/// Larger sets first: an expression begins with a name, too.
+/// Groups, larger sets first: the first tokens of an expression include those of a name.
 const GROUPS: &[Group] = &[
     Group {
         words: "an argument",
@@ -80,7 +80,7 @@ const GROUPS: &[Group] = &[
         ],
     },
     Group {
-        words: "a claim",
+        words: "a contract clause",
         needs: &[Assume, Guarantee],
         covers: &[Assume, Guarantee, Var, Const, ModeWord],
     },
@@ -120,13 +120,13 @@ const GROUPS: &[Group] = &[
     },
 ];
 
-/// Tokens that are rarely what is missing, left out while anything else is expected.
+/// Tokens that are rarely missing. They are listed only if no other token is expected.
 const RARELY_MEANT: &[Token] = &[
     Hat, Question, LStatic, Label, Percent, Slash, Star, Plus, Minus, Div, Mod, Dot, Comma,
     LBracket, When, Budget, Con, Initial, At, Import, Lt,
 ];
 
-/// What a name would be for, by the token before it.
+/// Purpose of an expected name, by the token before it.
 const NAMES: &[(Token, &str)] = &[
     (Finish, "a result name"),
     (Yield, "a result name"),
@@ -143,7 +143,7 @@ const NAMES: &[(Token, &str)] = &[
     (State, "the name of the state"),
     (Start, "the label of a step"),
     (On, "a result name, `fail` or `any`"),
-    (Then, "the name of what follows"),
+    (Then, "the name of the next step or state"),
     (Continue, "the name of a state"),
     (Const, "the name of a constant"),
     (Type, "the name of a type"),
@@ -158,10 +158,10 @@ const NAMES: &[(Token, &str)] = &[
     (Status, "the name of a port"),
 ];
 
-/// How many alternatives a message lists.
+/// Maximum number of alternatives in a message.
 const LISTED: usize = 4;
 
-/// The set in words: "`;` or an operator".
+/// Returns a description of the expected tokens: "`;` or an operator". `before` is the token before the error.
 pub(crate) fn in_words(expected: &[Token], before: Option<Token>) -> String {
     let meant = |token: &Token| *token != Broken && !is_of_kind2(*token);
     let mut left: Vec<Token> = expected.iter().copied().filter(meant).collect();
@@ -183,7 +183,7 @@ pub(crate) fn in_words(expected: &[Token], before: Option<Token>) -> String {
     listed(single.into_iter().chain(words))
 }
 
-/// Whether only programs of Kind 2 have it, which is never what somebody lacks.
+/// Returns whether the token occurs in Kind 2 programs only. Such tokens are never suggested.
 fn is_of_kind2(token: Token) -> bool {
     let word = token.keyword().is_some_and(|word| !word.in_rpi);
     word || matches!(
@@ -221,20 +221,22 @@ fn listed(words: impl Iterator<Item = String>) -> String {
     words.dedup();
     if words.len() > LISTED {
         words.truncate(LISTED - 1);
-        words.push("something else".to_owned());
+        words.push("another token".to_owned());
     }
     match words.pop() {
-        None => "nothing more".to_owned(),
+        None => "the end of the declaration".to_owned(),
         Some(last) if words.is_empty() => last,
         Some(last) => format!("{} or {last}", words.join(", ")),
     }
 }
 
-/// What may have been meant where a token was not accepted.
+/// Returns a help text for the rejected token.
 pub(crate) fn hint(here: Option<Token>) -> Option<&'static str> {
     match here {
-        Some(LBrace) => Some("a body stands between `let` and `tel`"),
-        Some(Colon) => Some("an equation is written `x = e`; a type goes into the `var` section"),
+        Some(LBrace) => Some("a body is written between `let` and `tel`"),
+        Some(Colon) => {
+            Some("an equation is written `x = e`; its type is declared in the `var` section")
+        }
         _ => None,
     }
 }

@@ -1,4 +1,4 @@
-//! Says in words what the grammar did not accept.
+//! Diagnostics for tokens that the grammar rejected.
 
 use crate::comments::Comment;
 use crate::context::Context;
@@ -10,16 +10,16 @@ use crate::token::Token;
 use crate::words::begins_operand;
 use rpi_diag::{Code, Finding, Fix, Span};
 
-/// A token that the grammar did not accept.
+/// Syntax error: a token that the grammar rejected.
 pub(crate) struct Fault {
-    /// Which token; the number of tokens for the end.
+    /// Index of the rejected token; the number of tokens at the end of the input.
     pub(crate) at: usize,
-    /// What would have been accepted.
+    /// Tokens that the grammar would have accepted.
     pub(crate) expected: Vec<Token>,
 }
 
 impl Fault {
-    /// Of the names that the grammar gives its tokens.
+    /// Creates a syntax error. `expected` holds token names as written in the grammar.
     pub(crate) fn new(at: usize, expected: Vec<String>) -> Fault {
         let expected = expected.iter().filter_map(|name| expected::token(name));
         Fault {
@@ -29,7 +29,7 @@ impl Fault {
     }
 }
 
-/// A fault among the tokens that it was found in.
+/// Syntax error with the tokens around it and their nesting.
 pub(crate) struct Found<'f, 't> {
     pub(crate) cx: &'f Context<'t>,
     pub(crate) lexemes: &'f [Lexeme],
@@ -38,7 +38,7 @@ pub(crate) struct Found<'f, 't> {
 }
 
 impl Found<'_, '_> {
-    /// Whether all that is wrong is a missing `;`: one would fit, and a new phrase begins here.
+    /// Returns whether only a `;` is missing: the grammar accepts one here, and a new phrase begins.
     pub(crate) fn lacks_semi(&self) -> bool {
         let expects = |token| self.fault.expected.contains(&token);
         let fits = expects(Token::Semi) && !expects(Token::Let);
@@ -49,7 +49,7 @@ impl Found<'_, '_> {
     fn begins_phrase(&self) -> bool {
         match (self.before(), self.here()) {
             (None, _) => false,
-            // Where one has been put in, another would not help.
+            // An empty token was inserted by error recovery: inserting another one would not help.
             (Some(before), _) if before.start == before.end => false,
             (Some(_), None) => true,
             (Some(before), Some(here)) => {
@@ -59,7 +59,7 @@ impl Found<'_, '_> {
         }
     }
 
-    /// A `;` is missing before the token.
+    /// Creates the diagnostic for a `;` that is missing before the rejected token (RPI0006).
     pub(crate) fn missing_semi(&self) -> Finding {
         let before = self.before().unwrap_or(NO_LEXEME);
         let span = self.cx.span(before.start, before.end);
@@ -67,15 +67,15 @@ impl Found<'_, '_> {
             Code::RPI0006,
             format!("expected `;` after {}", self.quoted(before)),
         )
-        .at(after(span), "this phrase has no end");
+        .at(after(span), "expected `;` here");
         let finding = match self.is_hidden() {
-            true => finding.help("a comment takes in the rest of its line, with its `;`"),
+            true => finding.help("the comment extends to the end of its line and contains the `;`"),
             false => finding,
         };
         finding.fix(self.ended().insert_after(span, ";"))
     }
 
-    /// Whether a comment before the token has taken in a `;`.
+    /// Returns whether a comment before the rejected token contains a `;`.
     fn is_hidden(&self) -> bool {
         let end = self.before().map_or(0, |before| before.end);
         let start = self.here().map_or(end, |here| here.start);
@@ -84,7 +84,8 @@ impl Found<'_, '_> {
         comments.any(|comment| text(comment).contains(';'))
     }
 
-    /// The fix that ends a phrase: sure if what follows begins another one, and no comment has taken in a `;`.
+    /// Returns the fix that inserts the missing `;`. It is sure if the expression cannot continue, and no comment
+    /// contains a `;`.
     fn ended(&self) -> Fix {
         let in_value = self.fault.expected.contains(&Token::Plus);
         let title = "insert `;`";
@@ -94,7 +95,8 @@ impl Found<'_, '_> {
         }
     }
 
-    /// Whether no value goes on here: a word follows by which something begins, or what an equation defines.
+    /// Returns whether the next tokens cannot continue an expression: a keyword that begins no operand, or the left
+    /// side of an equation.
     fn begins_another(&self) -> bool {
         use Token::{Comma, Dot, Eq, Ident, Int, LBracket, LParen, Path, RBracket, RParen};
         let rest = self.lexemes.get(self.fault.at..).unwrap_or_default();
@@ -114,25 +116,26 @@ impl Found<'_, '_> {
         is_target(first.token) && after.find(|token| !is_target(*token)) == Some(Eq)
     }
 
-    /// A body is open at the end of the declaration; `open` is its `let`.
+    /// Creates the diagnostic for a body that is still open at the end of the declaration (RPI0004). `open` is the
+    /// index of its `let`.
     pub(crate) fn open_body(&self, open: usize) -> Finding {
         let open = self.lexemes[open];
         let last = self.place(self.lexemes.len());
-        Finding::new(Code::RPI0004, "this body has no end")
+        Finding::new(Code::RPI0004, "this body is not closed")
             .at(
                 self.cx.span(open.start, open.end),
-                "no `tel` for this `let`",
+                "this `let` has no matching `tel`",
             )
             .also(last, "the declaration ends here")
             .fix(Fix::maybe("insert `tel`").insert_after(last, "\ntel"))
     }
 
-    /// The token fits nowhere.
+    /// Creates the diagnostic for a rejected token without a more specific explanation.
     pub(crate) fn unexpected(&self) -> Finding {
         let open = self.structure.open_bracket(self.fault.at);
         match (open, self.here()) {
             (Some(open), here) if self.ends_bracket(open, here) => self.open_bracket(open),
-            // The declaration was complete.
+            // No token is expected: the declaration is complete.
             (_, Some(_)) if self.fault.expected.is_empty() => {
                 outside::stray(self.cx, self.before(), &self.lexemes[self.fault.at..])
             }
@@ -140,7 +143,7 @@ impl Found<'_, '_> {
         }
     }
 
-    /// Whether a bracket that is open here should have been closed before.
+    /// Returns whether the bracket `open` should have been closed before the token `here`.
     fn ends_bracket(&self, open: usize, here: Option<Lexeme>) -> bool {
         use Token::{Let, RBrace, RBracket, RParen, RStatic, Semi, Tel};
         let close = closing(self.lexemes[open].token);
@@ -154,7 +157,7 @@ impl Found<'_, '_> {
         here.is_none_or(|here| fits && ends(here.token))
     }
 
-    /// The bracket is not closed before the fault.
+    /// Creates the diagnostic for a bracket that is not closed before the syntax error (RPI0004).
     pub(crate) fn open_bracket(&self, open: usize) -> Finding {
         let bracket = self.lexemes[open];
         let close = closing(bracket.token).and_then(Token::spelling);
@@ -196,7 +199,7 @@ impl Found<'_, '_> {
         self.lexemes.get(self.fault.at).copied()
     }
 
-    /// The place of a token; after the last one for the end.
+    /// Returns the span of a token; the empty span after the last token for the end of the input.
     fn place(&self, at: usize) -> Span {
         match (self.lexemes.get(at), self.lexemes.last()) {
             (Some(lexeme), _) => self.cx.span(lexeme.start, lexeme.end),
@@ -205,7 +208,7 @@ impl Found<'_, '_> {
         }
     }
 
-    /// The token as it is written, in quotes.
+    /// Returns the source text of a token in backticks, cut off after 30 characters.
     fn quoted(&self, lexeme: Lexeme) -> String {
         const LONGEST: usize = 30;
         let written = match self.cx.slice(lexeme.start, lexeme.end) {
@@ -220,17 +223,17 @@ impl Found<'_, '_> {
     }
 }
 
-/// How many tokens before its `=` are looked at.
+/// Maximum number of tokens searched for the `=` of an equation.
 const LONGEST_TARGET: usize = 40;
 
-/// Stands before the first token.
+/// Placeholder for the token before the first one.
 const NO_LEXEME: Lexeme = Lexeme {
     token: Token::Broken,
     start: 0,
     end: 0,
 };
 
-/// The empty place after another.
+/// Returns the empty span at the end of a span.
 pub(crate) fn after(span: Span) -> Span {
     Span {
         start: span.end,

@@ -1,11 +1,11 @@
-//! Findings about single tokens and comments.
+//! Diagnostics about single tokens and comments.
 
 use crate::ast::Number;
 use crate::habits;
 use crate::numeral::{self, Numeral};
 use rpi_diag::{Code, FileId, Finding, Fix, Span};
 
-/// Characters that come with copied text, and what was meant.
+/// Look-alike characters from copied text, with their replacements.
 const LOOKALIKES: &[(char, &str)] = &[
     ('\u{201c}', "\""),
     ('\u{201d}', "\""),
@@ -24,7 +24,8 @@ const LOOKALIKES: &[(char, &str)] = &[
     ('\u{00a0}', " "),
 ];
 
-/// How much of what follows a `'` belongs to a text in such quotes.
+/// Returns the length in bytes of the rest of a text in single quotes, closing quote included; 0 if it is no such text.
+/// `rest` is the text after the opening `'`.
 pub(crate) fn quoted(rest: &str) -> usize {
     let line = rest.lines().next().unwrap_or_default();
     let is_name = |text: &str| text.contains(['(', ')', ';', ':', '=']);
@@ -32,22 +33,22 @@ pub(crate) fn quoted(rest: &str) -> usize {
     end.map_or(0, |end| end + 1)
 }
 
-/// `'a'` as elsewhere.
+/// Reports a character or string in single quotes, as in other languages.
 fn in_single_quotes(span: Span, text: &str) -> Finding {
     let inner = text.trim_matches('\'');
     let mut letters = inner.chars();
     let finding = Finding::new(
         Code::RPI0002,
-        "texts and characters do not stand in single quotes",
+        "a string literal is written in double quotes",
     )
-    .at(span, "no part of the language");
+    .at(span, "not a valid token");
     match (letters.next(), letters.next()) {
         (Some(letter), None) => finding
             .help(format!(
-                "a character is a number here: {}; what has a name is better a value of an enum",
+                "there is no character type: use the number {}, or a value of an enum",
                 letter as u32
             ))
-            .fix(Fix::maybe("write its number").replace(span, (letter as u32).to_string())),
+            .fix(Fix::maybe("replace it by its number").replace(span, (letter as u32).to_string())),
         _ => {
             let meant = format!("\"{inner}\"");
             finding.fix(Fix::maybe(format!("write `{meant}`")).replace(span, meant))
@@ -55,6 +56,7 @@ fn in_single_quotes(span: Span, text: &str) -> Finding {
     }
 }
 
+/// Reports characters that form no token (RPI0002).
 pub(crate) fn unknown(span: Span, text: &str) -> Finding {
     if text.len() > 2 && text.starts_with('\'') && text.ends_with('\'') {
         return in_single_quotes(span, text);
@@ -64,10 +66,10 @@ pub(crate) fn unknown(span: Span, text: &str) -> Finding {
         _ => "unknown characters",
     };
     let finding = Finding::new(Code::RPI0002, format!("{what} `{}`", text.escape_debug()))
-        .at(span, "no part of the language");
+        .at(span, "not a valid token");
     match meant(text) {
         None if text == "'" => finding
-            .help("a name stands without it: `last x`, a type parameter is `<<type T>>`")
+            .help("a name is written without it: `last x`; a type parameter is `<<type T>>`")
             .fix(Fix::maybe("delete it").replace(span, "")),
         Some(meant) => {
             let title = format!("write `{meant}`");
@@ -77,7 +79,7 @@ pub(crate) fn unknown(span: Span, text: &str) -> Finding {
     }
 }
 
-/// The text with every lookalike replaced; [`None`] if other characters are in it.
+/// Returns the text with every look-alike character replaced; [`None`] if it contains other characters.
 fn meant(text: &str) -> Option<String> {
     let one = |c: char| {
         LOOKALIKES
@@ -97,31 +99,31 @@ pub(crate) fn open_comment(span: Span, text: &str) -> Finding {
         end: span.start + 2,
         ..span
     };
-    Finding::new(Code::RPI0003, "this comment has no end")
-        .at(start, "begins here and runs to the end of the file")
+    Finding::new(Code::RPI0003, "this comment is not closed")
+        .at(start, "opened here, extends to the end of the file")
         .help(format!(
-            "close it with `{close}`, or write `--` for a comment that ends with its line"
+            "close it with `{close}`, or write `--` for a comment up to the end of the line"
         ))
 }
 
 pub(crate) fn open_str(span: Span) -> Finding {
-    Finding::new(Code::RPI0005, "this text has no end")
+    Finding::new(Code::RPI0005, "this string literal is not closed")
         .at(span, "no `\"` before the end of the line")
         .fix(Fix::maybe("insert `\"`").insert_after(span, "\""))
 }
 
-/// What a word behind a number seems to be.
+/// Classification of a word directly after a number.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Behind {
-    /// A word of the language.
+    /// Keyword.
     Keyword,
-    /// Something that the text declares or defines.
+    /// Name that the text declares or defines.
     Name,
-    /// A unit.
+    /// Unit of measure.
     Unit,
 }
 
-/// A number and, right behind it, a word.
+/// Reports a number directly followed by a word (RPI0007). The number is `digits` bytes long.
 pub(crate) fn number_runs_into_word(
     span: Span,
     text: &str,
@@ -131,7 +133,10 @@ pub(crate) fn number_runs_into_word(
     let (number, word) = text.split_at(digits);
     let unit = format!("{number}[{word}]");
     let (meant, why) = match behind {
-        Behind::Keyword => (format!("{number} {word}"), "a space goes between them"),
+        Behind::Keyword => (
+            format!("{number} {word}"),
+            "a space is required between them",
+        ),
         Behind::Name => (
             format!("{number} * {word}"),
             "a product is written with `*`",
@@ -140,7 +145,7 @@ pub(crate) fn number_runs_into_word(
     };
     let finding = Finding::new(
         Code::RPI0007,
-        format!("the number `{number}` runs into the word `{word}`"),
+        format!("invalid suffix `{word}` on the number `{number}`"),
     )
     .at(span, why)
     .fix(Fix::maybe(format!("write `{meant}`")).replace(span, meant));
@@ -152,12 +157,12 @@ pub(crate) fn number_runs_into_word(
     }
 }
 
-/// A literal as another language writes it.
+/// Reports a literal in the notation of another language.
 pub(crate) fn foreign_literal(span: Span, text: &str, code: Code, numeral: &Numeral) -> Finding {
     let finding = Finding::new(code, numeral.message.clone()).at(span, numeral.seen);
     let Some(meant) = &numeral.meant else {
         return finding
-            .help("write a number, maybe with its unit: `10`, `0x1F`, `2.5e-3`, `500[ms]`");
+            .help("write a number, optionally with a unit: `10`, `0x1F`, `2.5e-3`, `500[ms]`");
     };
     let title = format!("write `{meant}`");
     if numeral.is_sure {
@@ -173,9 +178,9 @@ pub(crate) fn foreign_literal(span: Span, text: &str, code: Code, numeral: &Nume
     }
 }
 
-/// A number that no 64-bit value holds; `is_machine` if one without sign may be meant.
+/// Reports a number that does not fit into 64 bits (RPI0008). `is_machine` also allows unsigned 64-bit integers.
 pub(crate) fn check_number(span: Span, text: &str, is_machine: bool) -> Option<Finding> {
-    // So short a number without an exponent always fits.
+    // A number this short without an exponent always fits.
     if text.len() < 16 && text.bytes().all(|b| b.is_ascii_digit() || b == b'.') {
         return None;
     }
@@ -189,7 +194,8 @@ pub(crate) fn check_number(span: Span, text: &str, is_machine: bool) -> Option<F
     (!holds).then(|| Finding::new(Code::RPI0008, message()).at(span, "out of range"))
 }
 
-/// A comment as other languages begin it, by a mark of so many bytes; sure if it can not be an operator.
+/// Reports a comment marker of another language, `mark` bytes long (RPI0013). `is_sure` is set if the marker cannot be
+/// an operator.
 pub(crate) fn foreign_comment(span: Span, mark: u32, is_sure: bool) -> Finding {
     let mark = Span {
         end: span.start + mark,
@@ -202,40 +208,39 @@ pub(crate) fn foreign_comment(span: Span, mark: u32, is_sure: bool) -> Finding {
         Fix::maybe(title)
     };
     Finding::new(Code::RPI0013, "comments begin with `--`")
-        .at(mark, "taken as the begin of a comment")
+        .at(mark, "parsed as the start of a comment")
         .fix(fix.replace(mark, "--"))
 }
 
-/// `x // 2`
+/// Reports `x // 2`, an integer division in other languages.
 pub(crate) fn double_slash(span: Span, text: &str) -> Finding {
     let word = habits::apart(span, text, "div");
     Finding::new(
         Code::RPI0016,
-        "an integer quotient is written `div`, a comment begins with `--`",
+        "integer division is written `div`; a comment begins with `--`",
     )
-    .at(span, "`//` is of another language")
+    .at(span, "`//` is from another language")
     .fix(Fix::maybe("write `div`").replace(span, word))
 }
 
 pub(crate) fn contract_comment(span: Span) -> Finding {
-    Finding::new(Code::RPI0014, "a contract in a comment is not read")
-        .at(span, "skipped")
-        .help("what is read: `assume`, `guarantee`, `mode`, `import`, `var`, `const`")
+    Finding::new(Code::RPI0014, "unsupported contract in a comment")
+        .at(span, "ignored")
+        .help("supported clauses: `assume`, `guarantee`, `mode`, `import`, `var`, `const`")
 }
 
 pub(crate) fn property_comment(span: Span) -> Finding {
-    Finding::new(Code::RPI0014, "a property in a comment is not read")
-        .at(span, "skipped")
-        .help("what is read: `--%PROPERTY`, maybe a name in quotes, a Boolean and `;`, on one line of the body of a node in a `.lus` file")
+    Finding::new(Code::RPI0014, "unsupported property in a comment")
+        .at(span, "ignored")
+        .help("supported: `--%PROPERTY condition;`, with an optional name, on one line of a node body in a `.lus` file")
 }
 
 pub(crate) fn too_many_faults(from: Span) -> Finding {
-    Finding::new(Code::RPI0011, "the file has too many faults")
-        .at(from, "the rest is not read")
-        .help("correct those before it first")
+    Finding::new(Code::RPI0011, "the file has too many errors")
+        .at(from, "the rest is not parsed")
+        .help("fix the errors before this place first")
 }
 
 pub(crate) fn file_too_long(file: FileId) -> Finding {
-    Finding::new(Code::RPI0011, "the file is too long to be read")
-        .at(Span::new(file, 0, 0), "more than 2 GB")
+    Finding::new(Code::RPI0011, "the file is too large").at(Span::new(file, 0, 0), "more than 2 GB")
 }

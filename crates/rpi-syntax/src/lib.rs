@@ -1,12 +1,11 @@
-//! Text to tokens to syntax tree, and back to formatted text.
+//! Lexer, parser, syntax tree and formatter for `.rpi` and `.lus` files.
 //!
-//! [`parse`] never fails: it always returns a tree and the findings, and what is broken in a text
-//! does not hide what is not. [`format()`] sets a text in the one style of the language;
-//! [`print()`] writes a tree that has no text, such as an imported net.
+//! [`parse`] never fails: it always returns a tree and diagnostics. An error in one declaration does not hide the
+//! others. [`format()`] formats source text; [`print()`] prints a tree that has no source text, such as an imported
+//! net.
 //!
-//! This crate knows what programs look like. It must not know what they mean: names, types and
-//! units are not resolved here, and no file is opened. No type of the parser generator or of the
-//! lexer crosses its interface.
+//! This crate handles syntax only: it resolves no names, types or units, and opens no files. Its interface exposes no
+//! type of the parser generator or of the lexer.
 
 pub mod ast;
 mod blocks;
@@ -57,17 +56,17 @@ pub use token::{KEYWORDS, Keyword, Place, is_name, signs};
 
 use rpi_diag::Finding;
 
-/// Which words are keywords, and what `%` means. The name of a file decides: see [`Mode::of_path`].
+/// Dialect of a source file: selects the keywords and the meaning of `%`. See [`Mode::of_path`].
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Mode {
-    /// `.rpi`: the whole language.
+    /// `.rpi` files: the whole language.
     Rpi,
-    /// `.lus`: Lustre; the words of the robot world are plain names and `%` is the remainder.
+    /// `.lus` files: Lustre. Robotics keywords are plain names, and `%` is the remainder operator.
     Lustre,
 }
 
 impl Mode {
-    /// The mode of a file by its name: Lustre for `.lus`, else RPI.
+    /// Returns the mode of a file by its extension: Lustre for `.lus`, else RPI.
     pub fn of_path(path: &str) -> Mode {
         match path.ends_with(".lus") {
             true => Mode::Lustre,
@@ -76,13 +75,13 @@ impl Mode {
     }
 }
 
-/// What [`parse`] makes of a text.
+/// Result of [`parse`].
 #[derive(Clone, PartialEq, Debug)]
 pub struct Parse {
-    /// The tree; faulty parts of the text are `Broken` nodes in it.
+    /// Syntax tree. Parts of the text with errors are `Broken` nodes.
     pub file: ast::File,
-    /// The comments of the text.
+    /// Comments of the text.
     pub comments: Comments,
-    /// What is wrong with the text, in text order.
+    /// Diagnostics in text order.
     pub findings: Vec<Finding>,
 }

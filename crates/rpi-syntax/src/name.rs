@@ -1,4 +1,4 @@
-//! Names and other short texts, shared instead of copied.
+//! Names and other short strings, shared instead of copied.
 
 use std::borrow::Borrow;
 use std::cell::RefCell;
@@ -8,24 +8,24 @@ use std::hash::{BuildHasherDefault, Hasher};
 use std::ops::Deref;
 use std::sync::Arc;
 
-/// A name as it is written, `arm` or, qualified, `Core::DoubleAdd`.
+/// Name as written in the source: plain (`arm`) or qualified (`Core::DoubleAdd`).
 ///
-/// Cloning is cheap. Names compare, sort and hash by their text.
+/// Cloning is cheap (reference-counted text). Names compare, sort and hash by their text.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Name(Arc<str>);
 
 impl Name {
-    /// The text.
+    /// Returns the text of the name.
     pub fn as_str(&self) -> &str {
         &self.0
     }
 
-    /// Whether it has several parts, joined by `::`.
+    /// Returns whether the name has several parts, joined by `::`.
     pub fn is_qualified(&self) -> bool {
         self.0.contains("::")
     }
 
-    /// The parts between the `::`, one for a plain name.
+    /// Returns the parts between the `::`; one part for a plain name.
     pub fn parts(&self) -> impl Iterator<Item = &str> {
         self.0.split("::")
     }
@@ -81,10 +81,10 @@ impl fmt::Debug for Name {
     }
 }
 
-/// Hashes short texts.
+/// Builder of the hasher for short strings.
 pub(crate) type NameHash = BuildHasherDefault<NameHasher>;
 
-/// Makes equal names of one text share their memory.
+/// String interner: equal names from one text share their memory.
 #[derive(Default)]
 pub(crate) struct Interner(RefCell<HashSet<Name, NameHash>>);
 
@@ -100,12 +100,13 @@ impl Interner {
     }
 }
 
-/// A hash for short texts that nobody chooses to collide: multiply and rotate, eight bytes at a time.
+/// Hasher for short strings: multiply and rotate, eight bytes at a time. Not resistant to chosen collisions.
 #[derive(Default)]
 pub(crate) struct NameHasher(u64);
 
 impl NameHasher {
     fn add(&mut self, word: u64) {
+        // 2^64 divided by the golden ratio (Fibonacci hashing, Knuth, TAOCP 3, 6.4).
         const ODD: u64 = 0x9e37_79b9_7f4a_7c15;
         self.0 = (self.0.rotate_left(5) ^ word).wrapping_mul(ODD);
     }
@@ -127,7 +128,7 @@ impl Hasher for NameHasher {
     }
 
     fn finish(&self) -> u64 {
-        // The table takes its place from the low bits, where a product is weakest.
+        // The hash table selects a bucket by the low bits, where a product is weakest.
         self.0 ^ (self.0 >> 32)
     }
 }

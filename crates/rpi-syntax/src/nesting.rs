@@ -1,24 +1,25 @@
-//! Refuses expressions that nest so deeply that a recursive walk over their tree could exhaust the stack.
+//! Rejects declarations nested so deeply that a recursive walk over their tree could overflow the stack.
 //!
-//! Works on tokens, before any tree is made: the depth of a bracket's content is at most the number
-//! of operators in one element of it, plus the depth of the deepest bracket among them.
+//! Works on tokens, before a tree is built. The depth of the content of a bracket is at most the number of operators in
+//! one element, plus the depth of the deepest bracket in that element.
 
 use crate::context::Context;
 use crate::lexer::Lexeme;
 use crate::token::Token;
 use rpi_diag::{Code, Finding};
 
-/// The deepest nesting that is accepted; every walk over the tree may recurse so far, see [`with_stack`](crate::with_stack).
+/// Maximum accepted nesting depth. Every walk over a tree may recurse this deep: see
+/// [`with_stack`](crate::with_stack).
 pub(crate) const MAX_DEPTH: u32 = 5_000;
 
-/// One open bracket or body.
+/// Open bracket or body.
 #[derive(Clone, Copy, Default)]
 struct Level {
-    /// Operators in the current element.
+    /// Number of operators in the current element.
     operators: u32,
     /// Depth of the deepest bracket in the current element.
     inner: u32,
-    /// Depth of the deepest element before the current one.
+    /// Depth of the deepest previous element.
     deepest: u32,
 }
 
@@ -35,9 +36,9 @@ impl Level {
     }
 }
 
-/// The finding, if the declaration nests too deeply.
+/// Returns a diagnostic (RPI0011) if the declaration is nested too deeply.
 pub(crate) fn too_deep(cx: &Context<'_>, lexemes: &[Lexeme]) -> Option<Finding> {
-    // Depth needs tokens: most declarations are too short for it.
+    // Each level takes at least one token, so a short declaration cannot be too deep.
     if lexemes.len() <= MAX_DEPTH as usize {
         return None;
     }
@@ -64,7 +65,7 @@ fn step(levels: &mut Vec<Level>, token: Token) {
         LParen | LBracket | LBrace | LStatic | Let | Automaton => levels.push(Level::default()),
         RBracket => {
             close(levels);
-            // `a[i][j]` nests, though one bracket stands after the other.
+            // `a[i][j]` is nested in the tree, although the brackets are side by side.
             top(levels).operators += 1;
         }
         RParen | RBrace | RStatic | Tel | End => close(levels),
@@ -81,7 +82,7 @@ fn top(levels: &mut Vec<Level>) -> &mut Level {
     &mut levels[last]
 }
 
-/// Ends a bracket: its depth counts in the element that it stands in.
+/// Closes a bracket and adds its depth to the enclosing element.
 fn close(levels: &mut Vec<Level>) {
     let closed = levels.pop().unwrap_or_default();
     let outer = top(levels);
@@ -150,6 +151,6 @@ fn is_operator(token: Token) -> bool {
 }
 
 fn finding() -> Finding {
-    Finding::new(Code::RPI0011, "this is nested too deeply")
-        .help("give parts of it names of their own: `part = ...;`")
+    Finding::new(Code::RPI0011, "the nesting is too deep")
+        .help("define parts of it by separate equations: `part = ...;`")
 }

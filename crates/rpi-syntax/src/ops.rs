@@ -1,59 +1,58 @@
-//! The table of operators: spelling, level and grouping, weakest first.
+//! Operator table: spelling, precedence level and associativity, weakest first.
 //!
-//! The parser builds trees by it, the printer sets parentheses by it, the language reference shows
-//! it. The levels are those of Lustre V6; `??` is added below `=>`, so that `a = b ?? false` needs no
-//! parentheses.
+//! The parser, the printer (for parentheses) and the language reference use this table. The levels are those of Lustre
+//! V6. `??` is added below `=>`, so that `a = b ?? false` needs no parentheses.
 
-/// Which of two equal operators in a row is applied first.
+/// Associativity of a binary operator.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Grouping {
-    /// `a - b - c` is `(a - b) - c`.
+    /// Left-associative: `a - b - c` is `(a - b) - c`.
     Left,
-    /// `a -> b -> c` is `a -> (b -> c)`.
+    /// Right-associative: `a -> b -> c` is `a -> (b -> c)`.
     Right,
-    /// `a < b < c` is an error.
+    /// Not associative: `a < b < c` is an error.
     None,
 }
 
-/// How strongly an operator binds; a larger level binds more strongly.
+/// Precedence level of an operator. A higher level binds more strongly.
 pub type Level = u8;
 
-/// The level of `if c then x else` and `with c then x else`, whose last branch extends as far right as possible.
+/// Precedence level of `if c then x else` and `with c then x else`. The last branch extends as far right as possible.
 pub const LEVEL_IF: Level = 1;
-/// The level of `x when c`.
+/// Precedence level of `x when c`.
 pub const LEVEL_WHEN: Level = 13;
-/// The level of what needs no parentheses: names, literals, calls, `x.f`, `x[i]`.
+/// Precedence level of expressions that need no parentheses: names, literals, calls, `x.f`, `x[i]`.
 pub const LEVEL_PRIMARY: Level = 17;
 
-/// One row of the table of binary operators.
+/// Row of the table of binary operators.
 #[derive(Debug)]
 pub struct BinaryRow {
-    /// The operator.
+    /// Operator.
     pub op: BinaryOp,
-    /// How it is written.
+    /// Spelling in source text.
     pub spelling: &'static str,
-    /// How strongly it binds.
+    /// Precedence level.
     pub level: Level,
-    /// How equals group.
+    /// Associativity.
     pub grouping: Grouping,
-    /// Whether it is only an operator in `.lus` files.
+    /// Whether the operator exists in `.lus` files only.
     pub only_lustre: bool,
-    /// What it does, in a few words.
+    /// Short description for the language reference and editors.
     pub doc: &'static str,
 }
 
-/// One row of the table of unary operators; all stand before their operand.
+/// Row of the table of unary operators. All are prefix operators.
 #[derive(Debug)]
 pub struct UnaryRow {
-    /// The operator.
+    /// Operator.
     pub op: UnaryOp,
-    /// How it is written.
+    /// Spelling in source text.
     pub spelling: &'static str,
-    /// How strongly it binds.
+    /// Precedence level.
     pub level: Level,
-    /// Whether it is only an operator in `.lus` files.
+    /// Whether the operator exists in `.lus` files only.
     pub only_lustre: bool,
-    /// What it does, in a few words.
+    /// Short description for the language reference and editors.
     pub doc: &'static str,
 }
 
@@ -68,13 +67,13 @@ macro_rules! only_lustre {
 
 macro_rules! binary_ops {
     ($($op:ident $spelling:literal $level:literal $grouping:ident $doc:literal $($mode:ident)?;)*) => {
-        /// An operator between two operands.
+        /// Binary operator.
         #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, PartialOrd, Ord)]
         pub enum BinaryOp {
             $(#[doc = concat!("`", $spelling, "`: ", $doc)] $op,)*
         }
 
-        /// Every binary operator, weakest first, in the order of [`BinaryOp`].
+        /// All binary operators, weakest first, in the order of [`BinaryOp`].
         pub const BINARY: &[BinaryRow] = &[$(BinaryRow {
             op: BinaryOp::$op,
             spelling: $spelling,
@@ -88,13 +87,13 @@ macro_rules! binary_ops {
 
 macro_rules! unary_ops {
     ($($op:ident $spelling:literal $level:literal $doc:literal $($mode:ident)?;)*) => {
-        /// An operator before its operand.
+        /// Unary prefix operator.
         #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, PartialOrd, Ord)]
         pub enum UnaryOp {
             $(#[doc = concat!("`", $spelling, "`: ", $doc)] $op,)*
         }
 
-        /// Every unary operator, weakest first, in the order of [`UnaryOp`].
+        /// All unary operators, weakest first, in the order of [`UnaryOp`].
         pub const UNARY: &[UnaryRow] = &[$(UnaryRow {
             op: UnaryOp::$op,
             spelling: $spelling,
@@ -106,9 +105,9 @@ macro_rules! unary_ops {
 }
 
 binary_ops! {
-    Concat   "|"   2  Left  "one array after the other";
-    Arrow    "->"  3  Right "left in the first cycle, right afterwards";
-    Coalesce "??"  4  Right "left where present, else right";
+    Concat   "|"   2  Left  "array concatenation";
+    Arrow    "->"  3  Right "left operand in the first cycle, right operand afterwards";
+    Coalesce "??"  4  Right "left operand where present, else right operand";
     Implies  "=>"  5  Right "implication";
     Or       "or"  6  Left  "disjunction";
     Xor      "xor" 6  Left  "exclusive or";
@@ -119,36 +118,36 @@ binary_ops! {
     Le       "<="  8  None  "at most";
     Gt       ">"   8  None  "greater";
     Ge       ">="  8  None  "at least";
-    In       "in"  8  None  "whether a set holds a value" Lustre;
+    In       "in"  8  None  "set membership" Lustre;
     Add      "+"   10 Left  "sum";
     Sub      "-"   10 Left  "difference";
-    BitOr    "||"  10 Left  "machine integers: bits of either" Lustre;
-    Append   "++"  10 Left  "machine integers: the bits of one above those of the other" Lustre;
+    BitOr    "||"  10 Left  "machine integers: bitwise or" Lustre;
+    Append   "++"  10 Left  "machine integers: concatenation of the bits" Lustre;
     Mul      "*"   11 Left  "product";
     Div      "/"   11 Left  "quotient";
     IntDiv   "div" 11 Left  "integer quotient, towards zero";
     Mod      "mod" 11 Left  "remainder, with the sign of the left operand";
-    BitAnd   "&&"  11 Left  "machine integers: bits of both" Lustre;
+    BitAnd   "&&"  11 Left  "machine integers: bitwise and" Lustre;
     Pow      "**"  12 Left  "power";
-    ShiftLeft  "lsh" 12 Left "machine integers: bits moved to the left" Lustre;
-    ShiftRight "rsh" 12 Left "machine integers: bits moved to the right" Lustre;
-    Repeat   "^"   15 Left  "array of so many equal elements";
-    Fby      "fby" 16 Right "left in the first cycle, then right one cycle late";
+    ShiftLeft  "lsh" 12 Left "machine integers: shift left" Lustre;
+    ShiftRight "rsh" 12 Left "machine integers: shift right" Lustre;
+    Repeat   "^"   15 Left  "array that repeats one value";
+    Fby      "fby" 16 Right "left operand in the first cycle, then right operand delayed by one cycle";
 }
 
 unary_ops! {
     Not     "not"     9  "negation";
-    Neg     "-"       14 "opposite";
-    Pre     "pre"     14 "value at the previous cycle";
-    Last    "last"    14 "value at the previous cycle, whatever the state; of a name or field";
+    Neg     "-"       14 "arithmetic negation";
+    Pre     "pre"     14 "value in the previous cycle";
+    Last    "last"    14 "value in the previous cycle, in any state; of a name or field";
     Current "current" 14 "latest value of a sampled flow";
-    ToInt   "int"     14 "real to integer";
-    ToReal  "real"    14 "integer to real";
-    BitNot  "!"       14 "machine integers: bits turned over" Lustre;
+    ToInt   "int"     14 "conversion of a real to an integer";
+    ToReal  "real"    14 "conversion of an integer to a real";
+    BitNot  "!"       14 "machine integers: bitwise complement" Lustre;
 }
 
 impl BinaryOp {
-    /// Whether it asks which of two is the larger one.
+    /// Returns whether the operator is an order comparison: `<`, `<=`, `>` or `>=`.
     pub(crate) fn is_order(self) -> bool {
         matches!(
             self,
@@ -156,33 +155,34 @@ impl BinaryOp {
         )
     }
 
-    /// How it is written.
+    /// Spelling in source text.
     pub fn spelling(self) -> &'static str {
         self.row().spelling
     }
 
-    /// How strongly it binds.
+    /// Precedence level.
     pub fn level(self) -> Level {
         self.row().level
     }
 
-    /// How equals group.
+    /// Associativity.
     pub fn grouping(self) -> Grouping {
         self.row().grouping
     }
 
+    // The rows are in the order of the variants; a test checks this.
     fn row(self) -> &'static BinaryRow {
         &BINARY[self as usize]
     }
 }
 
 impl UnaryOp {
-    /// How it is written.
+    /// Spelling in source text.
     pub fn spelling(self) -> &'static str {
         self.row().spelling
     }
 
-    /// How strongly it binds.
+    /// Precedence level.
     pub fn level(self) -> Level {
         self.row().level
     }

@@ -1,4 +1,4 @@
-//! Findings about what stands outside of any declaration.
+//! Diagnostics for text outside of declarations.
 
 use crate::ast::{Declared, DeclaredKind, Item, ItemKind};
 use crate::context::Context;
@@ -7,7 +7,7 @@ use crate::mend;
 use crate::token::Token;
 use rpi_diag::{Code, Finding, Fix};
 
-/// How other languages begin what is declared here; compared without case.
+/// Keywords of other languages that begin declarations, with the corresponding RPI keyword. Compared without case.
 const FOREIGN: &[(&str, Token)] = &[
     ("block", Token::Node),
     ("class", Token::Node),
@@ -31,15 +31,15 @@ const FOREIGN: &[(&str, Token)] = &[
     ("subsystem", Token::Node),
 ];
 
-/// The word of a declaration by which this one of another language is meant.
+/// Returns the RPI keyword that corresponds to a declaration keyword of another language.
 pub(crate) fn foreign(written: &str) -> Option<Token> {
     let mut words = FOREIGN.iter();
     let found = words.find(|(word, _)| written.eq_ignore_ascii_case(word));
     found.map(|(_, meant)| *meant)
 }
 
-/// A name that resembles the word of a declaration, where such a word is expected. [`None`] if it
-/// is that word.
+/// Reports a name that resembles the keyword `word`, at the start of a declaration. Returns [`None`] if the name is
+/// that keyword.
 pub(crate) fn misspelt(cx: &Context<'_>, name: Lexeme, word: Token) -> Option<Finding> {
     let meant = word.spelling().unwrap_or_default();
     let written = cx.slice(name.start, name.end);
@@ -51,36 +51,35 @@ pub(crate) fn misspelt(cx: &Context<'_>, name: Lexeme, word: Token) -> Option<Fi
     .at(span, format!("did you mean `{meant}`?"))
     .fix(Fix::maybe(format!("write `{meant}`")).replace(span, meant));
     let finding = match foreign(written) {
-        Some(_) => finding.help(
-            "a `node` may remember what was, a `function` does not, and a `command` moves devices",
-        ),
+        Some(_) => finding
+            .help("a `node` may have state, a `function` has none, and a `command` moves devices"),
         None => finding,
     };
     (written != meant).then_some(finding)
 }
 
-/// A package or model.
+/// Reports a package or model of Lustre V6, which is not supported.
 pub(crate) fn package(cx: &Context<'_>, word: Lexeme) -> Finding {
     let written = cx.slice(word.start, word.end);
     Finding::new(
         Code::RPI0010,
-        format!("a {written} of Lustre V6 is not read"),
+        format!("a {written} of Lustre V6 is not supported"),
     )
     .at(
         cx.span(word.start, word.end),
-        "the rest of the file is skipped",
+        "the rest of the file is ignored",
     )
-    .help("write its nodes, types and constants without it")
+    .help("declare its nodes, types and constants at the top level")
 }
 
-/// `enum Mode { A, B }`, `struct P { x: int }`
+/// Returns whether the tokens begin a type declaration without `type`: `enum Mode { A, B }`, `struct P { x: int }`.
 pub(crate) fn is_bare_type(lexemes: &[Lexeme]) -> bool {
     use Token::{Enum, Ident, LBrace, Struct};
     let shape: Vec<Token> = lexemes.iter().take(3).map(|lexeme| lexeme.token).collect();
     matches!(shape[..], [Enum | Struct, Ident, LBrace])
 }
 
-/// The type that was meant; what follows it is told as well.
+/// Reports a type declaration without `type` and parses it. Tokens after the type are reported as stray.
 pub(crate) fn bare_type(cx: &Context<'_>, lexemes: &[Lexeme], findings: &mut Vec<Finding>) -> Item {
     let closes = |lexeme: &Lexeme| lexeme.token == Token::RBrace;
     let end = lexemes
@@ -129,7 +128,7 @@ pub(crate) fn bare_type(cx: &Context<'_>, lexemes: &[Lexeme], findings: &mut Vec
     item
 }
 
-/// What other languages write outside of declarations, by the first word in small letters, and what is written here.
+/// First keywords (in lower case) of top-level constructs of other languages, with a help text on the RPI equivalent.
 const TOP_LEVEL: &[(&[&str], &str)] = &[
     (
         &[
@@ -146,7 +145,7 @@ const TOP_LEVEL: &[(&[&str], &str)] = &[
             "mod",
             "unit",
         ],
-        "`use motion;` brings in a module, which is a file `motion.rpi` or one of the standard library",
+        "`use motion;` imports a module: the file `motion.rpi` or a module of the standard library",
     ),
     (
         &["typedef", "alias", "newtype"],
@@ -174,14 +173,14 @@ const TOP_LEVEL: &[(&[&str], &str)] = &[
             "persistent",
             "var_global",
         ],
-        "a constant is declared by `const n: int = 3;`; flows stand in a `node` or `command`",
+        "a constant is declared by `const n: int = 3;`; flows are defined in a `node` or `command`",
     ),
     (
         &[
             "if", "for", "while", "switch", "print", "repeat", "case", "return", "ptp", "movej",
             "movel", "wait",
         ],
-        "what is computed stands between `let` and `tel` in a `node` or `command`; steps in a `task`",
+        "equations are written between `let` and `tel` in a `node` or `command`; steps in a `task`",
     ),
     (
         &["enum", "struct", "record", "union"],
@@ -189,18 +188,18 @@ const TOP_LEVEL: &[(&[&str], &str)] = &[
     ),
     (
         &["interface", "trait", "impl", "template"],
-        "what a node promises is a `contract`; static parameters stand in `<< >>`",
+        "the guarantees of a node are its `contract`; static parameters are written in `<< >>`",
     ),
 ];
 
-/// What is written here in the place of a word outside of declarations.
+/// Returns the help text on the RPI equivalent of a top-level keyword of another language.
 fn instead(word: &str) -> Option<&'static str> {
     let word = word.to_ascii_lowercase();
     let found = TOP_LEVEL.iter().find(|(words, _)| words.contains(&&*word));
     found.map(|(_, help)| *help)
 }
 
-/// The declaration that a type or function of C seems to be, so that its name is known.
+/// Returns an error item that declares the name of a C `typedef` or function, so that its uses cause no errors.
 pub(crate) fn declared(cx: &Context<'_>, lexemes: &[Lexeme]) -> Option<Item> {
     use Token::{BoolType, Ident, IntType, LParen, RealType, Semi};
     let token = |at: usize| lexemes.get(at).map(|lexeme| lexeme.token);
@@ -223,28 +222,29 @@ pub(crate) fn declared(cx: &Context<'_>, lexemes: &[Lexeme]) -> Option<Item> {
     Some(cx.item(lexemes[0].start, kind, end))
 }
 
-/// Anything else outside of declarations; `before` is what stands before it.
+/// Reports any other tokens outside of declarations (RPI0010). `before` is the preceding token.
 pub(crate) fn stray(cx: &Context<'_>, before: Option<Lexeme>, lexemes: &[Lexeme]) -> Finding {
     let first = lexemes[0];
     let written = cx.slice(first.start, first.end);
     let span = cx.span(first.start, first.end);
-    let message = format!("`{written}` stands outside of any declaration");
+    let message = format!("`{written}` is outside of any declaration");
     let finding = Finding::new(Code::RPI0010, message);
     if first.token == Token::Tel {
-        return finding.at(span, "closes a body that is not open");
+        return finding.at(span, "no body is open here");
     }
     let finding = finding.at(span, "no declaration begins like this");
     let closes_body = |lexeme: &Lexeme| lexeme.token == Token::Tel;
     match before.filter(closes_body) {
         Some(tel) if lexemes.iter().any(closes_body) => finding.also(
             cx.span(tel.start, tel.end),
-            "the body ends here: is this `tel` one too many?",
+            "the body ends here; is this `tel` superfluous?",
         ),
         _ if instead(written).is_some() => {
             cx.swallow_signs(cx.span(first.start, lexemes[lexemes.len() - 1].end));
             finding.help(instead(written).unwrap_or_default())
         }
-        _ => finding
-            .help("equations stand between `let` and `tel`, in a node, fragment, command or test"),
+        _ => finding.help(
+            "equations are written between `let` and `tel` in a node, fragment, command or test",
+        ),
     }
 }

@@ -1,4 +1,4 @@
-//! From text to tree: lex, split into declarations, parse each.
+//! Parser driver: lexes a file, splits it into declarations and parses each of them.
 
 use crate::ast::{File, Item};
 use crate::context::Context;
@@ -12,13 +12,13 @@ use std::collections::BTreeSet;
 
 /// Parses a whole file. Never fails and never panics: every text has a tree.
 ///
-/// What has a fault becomes a `Broken` node with the names that it seems to define; the findings say
-/// why, one for each independent fault.
+/// Text with a syntax error becomes a `Broken` node with the names that it seems to define. There is one diagnostic for
+/// each independent error.
 pub fn parse(file: FileId, text: &str, mode: Mode) -> Parse {
     parse_with_tokens(file, text, mode).0
 }
 
-/// The same, with the tokens.
+/// Parses a whole file like [`parse`] and also returns its tokens.
 pub(crate) fn parse_with_tokens(file: FileId, text: &str, mode: Mode) -> (Parse, Vec<Lexeme>) {
     let (lexed, items, found) = with_stack(|| understood(file, text, mode));
     let mut findings = once_for_each_call(text, lexed.findings);
@@ -35,7 +35,7 @@ pub(crate) fn parse_with_tokens(file: FileId, text: &str, mode: Mode) -> (Parse,
     (parse, lexed.lexemes)
 }
 
-/// Of arguments that are named by a foreign sign the first of each call, with the places of the others.
+/// Merges the diagnostics about arguments named with a foreign operator: one per call, with the places of all of them.
 fn once_for_each_call(text: &str, findings: Vec<Finding>) -> Vec<Finding> {
     let mut kept: Vec<Finding> = Vec::with_capacity(findings.len());
     for finding in findings {
@@ -60,10 +60,10 @@ fn once_for_each_call(text: &str, findings: Vec<Finding>) -> Vec<Finding> {
     kept
 }
 
-/// After so many attempts nothing in comments is read any more.
+/// Maximum number of parses of a file. In the last one, no contracts or properties in comments are parsed.
 const MAX_ATTEMPTS: usize = 4;
 
-/// Contracts and properties in comments are read; those in which something is not understood are only comments again.
+/// Lexes and parses a file, with the contracts and properties in comments. Those with errors are treated as comments.
 fn understood(file: FileId, text: &str, mode: Mode) -> (Lexed, Vec<Item>, Vec<Finding>) {
     let (mut skipped, mut attempt) = (BTreeSet::new(), 0);
     loop {
@@ -93,7 +93,7 @@ fn understood(file: FileId, text: &str, mode: Mode) -> (Lexed, Vec<Item>, Vec<Fi
     }
 }
 
-/// Whether a finding lies in one of the places, which are in text order.
+/// Returns whether a diagnostic lies in one of the spans, which are in text order.
 fn lies_in(places: &[Span], finding: &Finding) -> bool {
     let at = finding.span();
     let after = places.partition_point(|place| place.start <= at.start);
@@ -101,10 +101,10 @@ fn lies_in(places: &[Span], finding: &Finding) -> bool {
     place.is_some_and(|place| at.end <= place.end)
 }
 
-/// What no whole token was made of: unknown characters, comments and texts without end.
+/// Parts of the text that form no complete token: unknown characters, unterminated comments and strings.
 struct Gaps<'t> {
     text: &'t str,
-    /// In text order.
+    /// Spans of the gaps, in text order.
     spans: Vec<Span>,
 }
 
@@ -116,7 +116,7 @@ impl Gaps<'_> {
         Gaps { text, spans }
     }
 
-    /// Whether a place of the finding lies right beside a gap, which says it all.
+    /// Returns whether a label of the diagnostic lies next to a gap, whose own diagnostic explains the error.
     fn explain(&self, finding: &Finding) -> bool {
         let mut places = finding.labels.iter().map(|label| label.span);
         !self.spans.is_empty() && places.any(|place| self.beside(place))
@@ -136,7 +136,7 @@ impl Gaps<'_> {
     }
 }
 
-/// More faults of one file are not told: nobody reads them.
+/// Maximum number of errors reported for one file.
 const MAX_FAULTS: usize = 10_000;
 
 fn items(
@@ -180,7 +180,7 @@ fn item(
             let told = findings.len();
             let item = mend::item(cx, &lexemes, findings);
             if is_foreign && findings.len() > told {
-                // What follows the word is of that language, too: another word does not mend it.
+                // The rest of the declaration is in the other language, too: replacing the keyword does not fix it.
                 findings.truncate(told);
                 let last = lexemes[lexemes.len() - 1];
                 cx.swallow_signs(cx.span(lexemes[0].start, last.end));

@@ -1,24 +1,24 @@
-//! Findings about phrases that the grammar accepts and the language does not.
+//! Diagnostics for phrases that the grammar accepts and the language does not allow.
 
 use crate::ast::Ident;
 use rpi_diag::{Code, Finding, Fix, Span};
 
-/// `a < b < c`; `middle` is the place and text of `b`.
+/// Reports `a < b < c` (RPI0009). `signs` are the operators, `middle` is the place and text of `b`.
 pub(crate) fn comparisons_in_a_row(signs: [Span; 2], middle: Option<(Span, &str)>) -> Finding {
-    let finding = Finding::new(Code::RPI0009, "comparisons do not follow one another")
+    let finding = Finding::new(Code::RPI0009, "comparisons cannot be chained")
         .at(signs[1], "compares the result of a comparison")
-        .also(signs[0], "the comparison before it");
-    let finding = finding.help("write `a < b and b < c`, or set parentheses");
+        .also(signs[0], "previous comparison");
+    let finding = finding.help("write `a < b and b < c`, or add parentheses");
     match middle {
         Some((span, text)) => {
-            let fix = Fix::maybe("join them by `and`");
+            let fix = Fix::maybe("join them with `and`");
             finding.fix(fix.insert_after(span, format!(" and {text}")))
         }
         None => finding,
     }
 }
 
-/// One more comparison in the row, whose sign is the one that is told.
+/// Adds a further comparison to the diagnostic about a chain. `sign` is its operator.
 pub(crate) fn further_comparison(
     mut last: Finding,
     sign: Span,
@@ -27,16 +27,17 @@ pub(crate) fn further_comparison(
     let fix = last.fixes.pop().zip(middle);
     let told = fix.map(|(fix, (span, text))| fix.insert_after(span, format!(" and {text}")));
     last.fixes.extend(told);
-    last.also(sign, "and one more")
+    last.also(sign, "another comparison")
 }
 
+/// Warns about `x when c` as an operand of an operator (RPI0015). `part` is the sampled expression.
 pub(crate) fn when_binds_tightly(part: Span) -> Finding {
-    let fix = Fix::maybe("set parentheses")
+    let fix = Fix::maybe("add parentheses")
         .insert_before(part, "(")
         .insert_after(part, ")");
     Finding::new(
         Code::RPI0015,
-        "`when` is read as in Lustre V6: it binds before other operators",
+        "`when` is parsed as in Lustre V6: it binds more strongly than other operators",
     )
     .at(
         part,
@@ -45,14 +46,17 @@ pub(crate) fn when_binds_tightly(part: Span) -> Finding {
     .fix(fix)
 }
 
-/// `when c then x else y`; the place is that of its first word.
+/// Reports `when c then x else y`. `word` is the place of `when`.
 pub(crate) fn when_as_if(word: Span) -> Finding {
-    Finding::new(Code::RPI0016, "a choice is written `if c then x else y`")
-        .at(word, "`when` samples a flow, or activates a fragment")
-        .fix(Fix::sure("write `if`").replace(word, "if"))
+    Finding::new(
+        Code::RPI0016,
+        "a conditional expression is written `if c then x else y`",
+    )
+    .at(word, "`when` samples a flow or activates a fragment")
+    .fix(Fix::sure("write `if`").replace(word, "if"))
 }
 
-/// `-x ** y`; the sign with its operand, the operator with what follows, and the text of all.
+/// Warns about `-x ** y` (RPI0018). `base` is `-x`, `power` is the exponent, `text` is the whole expression.
 pub(crate) fn sign_before_power(base: Span, power: Span, text: &str) -> Finding {
     let operand = text[1..(base.end - base.start) as usize].trim_start();
     let rest = text[(base.end - base.start) as usize..].trim_start();
@@ -60,10 +64,10 @@ pub(crate) fn sign_before_power(base: Span, power: Span, text: &str) -> Finding 
     let whole = base.merge(power);
     Finding::new(
         Code::RPI0018,
-        "the sign goes before the power: this is `(-x) ** y`",
+        "the sign binds more strongly than the power: this is `(-x) ** y`",
     )
-    .at(base, "is raised to the power")
-    .help("mathematics, Python and Fortran read it as `-(x ** y)`")
+    .at(base, "this is raised to the power")
+    .help("in mathematics, Python and Fortran it is `-(x ** y)`")
     .fix(
         Fix::maybe(format!("write `(-{operand})`, which is the same"))
             .insert_before(base, "(")
@@ -72,8 +76,9 @@ pub(crate) fn sign_before_power(base: Span, power: Span, text: &str) -> Finding 
     .fix(Fix::maybe(format!("write `{negated}`")).replace(whole, negated))
 }
 
+/// Reports a number other than 1 as a unit: `1[3/s]`. `text` is the text of the file.
 pub(crate) fn unit_head(span: Span, text: &str) -> Finding {
-    let finding = Finding::new(Code::RPI0001, "a number is no unit")
+    let finding = Finding::new(Code::RPI0001, "a number is not a unit")
         .at(span, "expected the name of a unit, or `1` as in `1/s`");
     let number = &text[span.start as usize..span.end as usize];
     let brackets = Span {
@@ -83,35 +88,33 @@ pub(crate) fn unit_head(span: Span, text: &str) -> Finding {
     };
     match text.get(brackets.start as usize..brackets.end as usize) {
         Some(whole) if whole == format!("[{number}]") => finding
-            .help(format!(
-                "the size of an array stands behind `^`: `real^{number}`"
-            ))
+            .help(format!("the size of an array follows `^`: `real^{number}`"))
             .fix(Fix::maybe(format!("write `^{number}`")).replace(brackets, format!("^{number}"))),
         _ => finding,
     }
 }
 
+/// Reports the exponent of a unit that exceeds 99 (RPI0008).
 pub(crate) fn unit_power(span: Span) -> Finding {
-    Finding::new(Code::RPI0008, "this power is too large for a unit").at(span, "more than 99")
+    Finding::new(Code::RPI0008, "the exponent of a unit is too large").at(span, "the maximum is 99")
 }
 
+/// Reports a bit range `x[7:0]` outside of Lustre files.
 pub(crate) fn no_bits(span: Span) -> Finding {
     Finding::new(Code::RPI0001, "expected `]` or `..` after the index")
-        .at(
-            span,
-            "only machine integers of Kind 2 are taken apart like this",
-        )
-        .help("elements that follow one another: `a[1..3]`, the last one with them")
+        .at(span, "only machine integers of Kind 2 have bit ranges")
+        .help("a slice of an array is written `a[1..3]`, both ends included")
 }
 
-/// `x: int | x > 0` outside of Lustre.
+/// Reports a port with a condition, `x: int | x > 0`, outside of Lustre files.
 pub(crate) fn no_condition(span: Span) -> Finding {
-    Finding::new(Code::RPI0001, "a port's type has no condition")
-        .at(span, "a condition of Kind 2")
-        .help("claim it: `assume x > 0`")
+    Finding::new(Code::RPI0001, "the type of a port cannot have a condition")
+        .at(span, "condition of Kind 2")
+        .help("state it as an assumption: `assume x > 0`")
 }
 
+/// Reports bounds `[from, to] of` after a word other than `subrange`.
 pub(crate) fn no_subrange(word: &Ident) -> Finding {
-    Finding::new(Code::RPI0001, format!("`{}` takes no bounds", word.name))
-        .at(word.span, "only `subrange` does")
+    Finding::new(Code::RPI0001, format!("`{}` cannot have bounds", word.name))
+        .at(word.span, "only `subrange` has bounds")
 }

@@ -1,4 +1,4 @@
-//! The pieces of a text: words, signs and comments, each at its place, for tools that look around in broken texts.
+//! Flat list of the tokens and comments of a text with their byte ranges, for tools that work on erroneous text.
 
 use crate::Mode;
 use crate::comments::CommentKind;
@@ -7,31 +7,31 @@ use crate::token::Token;
 use rpi_diag::FileId;
 use std::ops::Range;
 
-/// A piece of a text.
+/// Token or comment of a text.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Piece {
-    /// What it is.
+    /// Kind of the token or comment.
     pub kind: PieceKind,
-    /// Its bytes.
+    /// Byte range in the text.
     pub range: Range<usize>,
 }
 
-/// What a piece is.
+/// Kind of a [`Piece`].
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum PieceKind {
-    /// A name, plain or qualified.
+    /// Plain or qualified name.
     Name,
-    /// A word or sign of the language.
+    /// Keyword or symbol.
     Fixed,
-    /// A number.
+    /// Number literal.
     Number,
-    /// A text in quotes.
+    /// String literal.
     Text,
-    /// A comment.
+    /// Comment.
     Comment(CommentKind),
 }
 
-/// The pieces of a text in its order. Characters that belong to none are left out.
+/// Returns the tokens and comments of a text, in text order. Characters that form no token are left out.
 #[must_use]
 pub fn pieces(text: &str, mode: Mode) -> Vec<Piece> {
     let lexed = lex(FileId(0), text, mode);

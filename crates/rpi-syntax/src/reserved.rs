@@ -1,4 +1,4 @@
-//! Words of the language where names belong: told once, and then read as the names that they were meant to be.
+//! Reserved words used as names. Each word is reported once; its other uses in the declaration are parsed as names.
 
 use crate::explain::Found;
 use crate::lexer::Lexeme;
@@ -7,13 +7,14 @@ use crate::token::Token;
 use rpi_diag::{Code, Finding, Fix};
 
 impl Found<'_, '_> {
-    /// A reserved word stands where a name is wanted: as such, or it is defined or declared as one.
+    /// Reports a reserved word at the syntax error that is used as a name. Returns [`None`] if the grammar expects no
+    /// name, or if the word is more likely meant as a keyword.
     pub(crate) fn reserved_as_name(&self) -> Option<Finding> {
         use Token::{Colon, Comma, Eq, Int, LParen, Let, Tel, Then, When};
         let here = self.lexemes.get(self.fault.at)?;
         let word = here.token.keyword()?;
         let wants = |token| self.fault.expected.contains(&token);
-        // What was put in is no word of the text.
+        // A token inserted by error recovery is empty: it is no word of the text.
         let is_written = here.start < here.end;
         if !is_written || !word.is_reserved_in(self.cx.mode) || !wants(Token::Ident) {
             return None;
@@ -32,17 +33,17 @@ impl Found<'_, '_> {
 
     fn reserved(&self, here: Lexeme) -> Finding {
         let written = self.cx.slice(here.start, here.end);
-        let message = format!("`{written}` is a word of the language, not a name");
+        let message = format!("`{written}` is a reserved word and cannot be a name");
         let span = self.cx.span(here.start, here.end);
-        let finding = Finding::new(Code::RPI0012, message).at(span, "reserved");
+        let finding = Finding::new(Code::RPI0012, message).at(span, "expected a name");
         match self.renamed(here) {
             Some(fix) => finding.fix(fix),
             None => finding.help("choose another name"),
         }
     }
 
-    /// Another name, wherever the declaration has the word as one. [`None`] for values and types, which can stand in the
-    /// places of names.
+    /// Returns a fix that renames every use of the word as a name in the declaration. Returns [`None`] for keywords
+    /// that are values or types: they are also valid where a name is, so their uses cannot be distinguished.
     fn renamed(&self, here: Lexeme) -> Option<Fix> {
         use Token::{BoolType, False, IntType, RealType, True};
         let is_value = matches!(here.token, BoolType | False | IntType | RealType | True);
@@ -56,13 +57,13 @@ impl Found<'_, '_> {
             lexeme.start == here.start || lexeme.token == here.token && self.is_name_at(*at)
         };
         let places = self.lexemes.iter().enumerate().filter(is_name);
-        let fix = Fix::maybe(format!("call it `{name}`"));
+        let fix = Fix::maybe(format!("rename it to `{name}`"));
         Some(places.fold(fix, |fix, (_, lexeme)| {
             fix.replace(self.cx.span(lexeme.start, lexeme.end), name.clone())
         }))
     }
 
-    /// Whether a name could stand at a token, by those on both sides.
+    /// Returns whether the neighbouring tokens allow a name at this token.
     fn is_name_at(&self, at: usize) -> bool {
         use Token::{Dot, Ident, Int, Minus, Path, RBracket, RParen, Real};
         let token = |at: usize| self.lexemes.get(at).map(|lexeme| lexeme.token);
@@ -71,14 +72,17 @@ impl Found<'_, '_> {
             before,
             None | Some(Dot | Ident | Int | Path | RBracket | RParen | Real)
         );
-        // `not - x` is no difference.
+        // In `not - x` the `-` is a prefix operator, so `not` is not an operand. After a keyword of a declaration, as
+        // in
+        // `type - 1`, it is a binary operator.
         let next = token(at + 1)
             .filter(|next| *next != Minus || begins_declaration(self.lexemes[at].token));
         !goes_on && next.is_some_and(follows_name)
     }
 }
 
-/// Where one of these words stands as a name again: at a fault, or before it.
+/// Returns the index of a token, at the error or directly before it, that is one of the words already reported
+/// as names.
 pub(crate) fn again(told: &[Token], lexemes: &[Lexeme], fault: usize) -> Option<usize> {
     let places = [Some(fault), fault.checked_sub(1)].into_iter().flatten();
     let is_told = |at: &usize| {

@@ -1,9 +1,9 @@
-//! The names that a text seems to declare or define somewhere, whatever is wrong with it.
+//! Heuristic set of the names that a text declares or defines, for text with syntax errors.
 
 use std::cell::OnceCell;
 use std::collections::HashSet;
 
-/// Looked for once, when the first fault asks: a text may have very many faults.
+/// Names that a text seems to declare. The set is computed once, on first use, as a text may have many errors.
 pub(crate) struct Seeming<'t> {
     text: &'t str,
     names: OnceCell<HashSet<Box<str>>>,
@@ -17,14 +17,14 @@ impl<'t> Seeming<'t> {
         }
     }
 
-    /// Whether a name seems to be declared: `x: real`, `x, y: real`, `x = ...`.
+    /// Returns whether the text seems to declare the name: `x: real`, `x, y: real`, `x = ...`.
     pub(crate) fn declares(&self, name: &str) -> bool {
         let names = self.names.get_or_init(|| declared(self.text));
         names.contains(name)
     }
 }
 
-/// Words with a sign behind them that follows what is declared.
+/// Returns the words followed by `:`, `,` or `=`.
 fn declared(text: &str) -> HashSet<Box<str>> {
     let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '\'';
     let words = text.split(|c| !is_part(c)).filter(|word| !word.is_empty());

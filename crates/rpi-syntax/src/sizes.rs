@@ -1,8 +1,8 @@
-//! The `const` in-ports of Kind 2 that decide about sizes of arrays.
+//! The `const` in-ports of Kind 2 that determine array sizes.
 
 use crate::ast::*;
 
-/// Those of a node.
+/// Returns the `const` in-ports of a node that occur in the size of a port or local, as constant definitions.
 pub(crate) fn of(signature: &Signature, definition: &NodeDef) -> Vec<ConstDef> {
     let inputs = signature.inputs.as_deref().unwrap_or_default();
     if !inputs.iter().any(|port| port.is_const) {
@@ -39,7 +39,7 @@ pub(crate) fn of(signature: &Signature, definition: &NodeDef) -> Vec<ConstDef> {
     sizes
 }
 
-/// Whether a size in the type reads the name.
+/// Returns whether an array size in the type refers to the name.
 fn reads(ty: &Type, name: &Name) -> bool {
     match &ty.kind {
         TypeKind::Array(array) => mentions(&array.size, name) || reads(&array.element, name),

@@ -1,7 +1,7 @@
-//! Splits the tokens of a file into top-level declarations, so that a fault in one can not reach the next.
+//! Splits the tokens of a file into top-level declarations, so that an error in one does not affect the next.
 //!
-//! A declaration begins at one of its words where no body or bracket is open. The words of those that
-//! never stand inside others begin one even where a `tel` or a bracket is missing before them.
+//! A declaration begins at its keyword where no body or bracket is open. A keyword of a declaration that is never
+//! nested begins one even if a `tel` or closing bracket is missing before it.
 
 use crate::Mode;
 use crate::lexer::Lexeme;
@@ -10,29 +10,29 @@ use crate::token::{KEYWORDS, Keyword, Place, Token};
 use rpi_diag::suggest;
 use std::ops::Range;
 
-/// A stretch of tokens that is to be one declaration.
+/// Range of tokens that is parsed as one declaration.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) struct Chunk {
-    /// Which tokens.
+    /// Range of token indices.
     pub(crate) range: Range<usize>,
-    /// What it begins with.
+    /// Classification of the first token.
     pub(crate) head: Head,
 }
 
-/// What a chunk begins with.
+/// Classification of the first token of a [`Chunk`].
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) enum Head {
-    /// The word of a declaration.
+    /// Keyword of a declaration.
     Declaration,
-    /// A name where such a word is expected, and the word that it is or resembles.
+    /// Name in place of such a keyword, and the keyword that it resembles.
     Misspelt(Option<Token>),
-    /// A package or model of Lustre V6: the rest of the file is.
+    /// Package or model of Lustre V6. The chunk extends to the end of the file.
     Package,
-    /// Anything else.
+    /// Any other token.
     Stray,
 }
 
-/// Splits a file. Every token is in exactly one chunk.
+/// Splits the tokens of a file into chunks. Every token is in exactly one chunk.
 pub(crate) fn split(text: &str, lexemes: &[Lexeme], mode: Mode) -> Vec<Chunk> {
     let mut splitter = Splitter {
         text,
@@ -56,14 +56,15 @@ struct Splitter<'t> {
     lexemes: &'t [Lexeme],
     mode: Mode,
     chunks: Vec<Chunk>,
-    /// Open bodies and brackets in the current chunk.
+    /// Number of open `let` in the current chunk.
     lets: u32,
+    /// Number of open brackets in the current body.
     brackets: u32,
-    /// How many of them are `<<`.
+    /// Number of open `<<` among them.
     statics: u32,
     /// Whether a contract is open in the current chunk.
     in_contract: bool,
-    /// Whether the current chunk has had its body, or there is none yet.
+    /// Whether the body of the current chunk is closed, or there is no chunk yet.
     complete: bool,
 }
 
@@ -76,7 +77,7 @@ impl Splitter<'_> {
         self.follow(at);
     }
 
-    /// What the token begins, if it does begin a chunk.
+    /// Returns the classification of the token if it begins a chunk.
     fn head(&self, at: usize) -> Option<Head> {
         if self.in_package() {
             return None;
@@ -100,7 +101,7 @@ impl Splitter<'_> {
     }
 
     fn begin(&mut self, at: usize, head: Head) {
-        // What stands outside of declarations is one chunk, however long.
+        // Adjacent tokens outside of declarations form one chunk, so that they cause one error.
         let outside = |head: &Head| matches!(head, Head::Stray | Head::Misspelt(None));
         let joins = head == Head::Stray && !is_bare_type(&self.lexemes[at..]);
         if joins && self.chunks.last().is_some_and(|chunk| outside(&chunk.head)) {
@@ -131,7 +132,7 @@ impl Splitter<'_> {
         }
     }
 
-    /// Keeps count of what is open.
+    /// Updates the counts of open bodies and brackets.
     fn follow(&mut self, at: usize) {
         use Token::{
             Con, LBrace, LBracket, LParen, LStatic, Let, Noc, RBrace, RBracket, RParen, RStatic,
@@ -167,26 +168,27 @@ impl Splitter<'_> {
             && !self.continues_prefix(at)
             && !self.is_meant_as_name(at)
             && match token {
+                // Inside a body, `fragment` begins a local fragment.
                 Token::Fragment => self.lets == 0,
                 Token::Const => self.lets == 0 && !self.is_local(at),
                 _ => true,
             }
     }
 
-    /// `var node: int`, `y = type + 1`: where only a name can stand, the word was taken for one.
+    /// Returns whether a keyword is used as a name: `var node: int`, `y = type + 1`.
     fn is_meant_as_name(&self, at: usize) -> bool {
         let next = self.token_at(at + 1);
         !self.complete && next.is_some_and(follows_name)
     }
 
-    /// `<<const n: int; node f (...) returns (...)>>`, however the lines are broken.
+    /// Returns whether a keyword begins a static parameter or argument: `<<const n: int; node f (...) returns (...)>>`.
     fn is_static(&self, at: usize) -> bool {
         use Token::{Comma, LStatic, Semi};
         let before = at.checked_sub(1).and_then(|i| self.token_at(i));
         self.statics > 0 && matches!(before, Some(LStatic | Comma | Semi))
     }
 
-    /// `node` after `unsafe`, `extern`, `opaque` or `transparent`
+    /// Returns whether the token follows a modifier: `unsafe`, `extern`, `opaque` or `transparent`.
     fn continues_prefix(&self, at: usize) -> bool {
         let before = at.checked_sub(1).and_then(|i| self.token_at(i));
         matches!(
@@ -195,7 +197,7 @@ impl Splitter<'_> {
         )
     }
 
-    /// Whether a `const` belongs to the declaration before it, whose body is still to come.
+    /// Returns whether a `const` is a local of the current declaration, whose body has not begun.
     fn is_local(&self, at: usize) -> bool {
         let chunk = self.chunks.last().filter(|_| !self.complete);
         let head = chunk.and_then(|chunk| self.token_at(chunk.range.start));
@@ -208,7 +210,7 @@ impl Splitter<'_> {
         self.in_contract || !self.begins_line(at) || first == Some(Token::Let)
     }
 
-    /// `comand MoveToC`: two names in a row where a declaration could begin.
+    /// Returns whether two names in a row begin a declaration with a misspelt or foreign keyword: `comand MoveToC`.
     fn begins_unknown(&self, at: usize) -> bool {
         use Token::{Dot, Ident, Path, Semi, Str, Tel};
         let before = at.checked_sub(1).and_then(|i| self.token_at(i));
@@ -219,7 +221,7 @@ impl Splitter<'_> {
             && matches!(self.token_at(at + 1), Some(Ident | Path | Str))
     }
 
-    /// Whether the current declaration is one that ends with a `;`, and there is one.
+    /// Returns whether the current declaration may end at a `;` and the previous token is one.
     fn may_have_ended(&self, before: Option<Token>) -> bool {
         use Token::{Const, Frame, Include, Primitive, Type, Use};
         let head = self
@@ -230,13 +232,14 @@ impl Splitter<'_> {
         flat && self.brackets == 0 && before == Some(Token::Semi)
     }
 
-    /// `command (arm: Arm)`: the word of a declaration that is a name only for want of one after it.
+    /// Returns whether the token is a contextual keyword that was taken for a name because no name follows:
+    /// `command (arm: Arm)`.
     fn is_unsettled(&self, at: usize) -> bool {
         let is_name = self.complete && self.token_at(at) == Some(Token::Ident);
         is_name && self.words().any(|word| word.text == self.written(at))
     }
 
-    /// The word of a declaration that the name is or resembles.
+    /// Returns the keyword of a declaration that the name is, or resembles.
     fn meant(&self, at: usize) -> Option<Token> {
         let texts = self.words().map(|word| word.text);
         let written = self.written(at);
@@ -252,7 +255,7 @@ impl Splitter<'_> {
             .map(|word| word.token)
     }
 
-    /// The words that declarations begin with.
+    /// Returns the keywords that begin declarations in this mode.
     fn words(&self) -> impl Iterator<Item = &'static Keyword> {
         let mode = self.mode;
         KEYWORDS
@@ -275,7 +278,7 @@ impl Splitter<'_> {
     }
 }
 
-/// Whether declarations begin with the word.
+/// Returns whether the keyword begins declarations.
 pub(crate) fn begins_declaration(token: Token) -> bool {
     use Token::{Const, Extern, Function, Include, Node, Type, Unsafe};
     match token.keyword() {
@@ -290,7 +293,7 @@ pub(crate) fn begins_declaration(token: Token) -> bool {
     }
 }
 
-/// Whether a token stands behind names, and behind no word by which a declaration begins.
+/// Returns whether the token may follow a name but never the keyword of a declaration.
 pub(crate) fn follows_name(token: Token) -> bool {
     use Token::{
         And, Arrow, Colon, Comma, Dot, Else, Eq, Ge, Gt, Le, Lt, Minus, Ne, Or, Plus, RBracket,
@@ -321,7 +324,7 @@ pub(crate) fn follows_name(token: Token) -> bool {
     )
 }
 
-/// Whether what begins with the word may have local declarations before its `let`.
+/// Returns whether a declaration with this keyword may have local declarations before its `let`.
 fn takes_locals(head: Token) -> bool {
     use Token::{Command, Fragment, Function, Node, Opaque, Test, Transparent, Unsafe};
     matches!(

@@ -1,12 +1,13 @@
-//! Room for walks over trees that nest as deeply as a text may.
+//! Stack space for recursive walks over deeply nested trees.
 
-/// What a walk may need: about 3 kB for each level that [`nesting`](crate::nesting) accepts, and five times as much for
-/// builds that spare no stack.
+/// Stack in bytes that a walk may need: about 3 kB for each level that [`nesting`](crate::nesting) accepts, and five
+/// times as much in unoptimised builds.
 const NEEDED: usize = 80 << 20;
+/// Size in bytes of a new stack.
 const SIZE: usize = 2 * NEEDED;
 
-/// Runs something that walks over syntax trees, or over what is made of them, on a stack that bears the deepest nesting
-/// that is accepted: wherever it is called from, a thread with a small stack included.
+/// Runs a recursive walk over a syntax tree, or a structure derived from one, on a stack that is large enough for the
+/// deepest accepted nesting. Threads with a small stack may call it too.
 pub fn with_stack<R>(walk: impl FnOnce() -> R) -> R {
     stacker::maybe_grow(NEEDED, SIZE, walk)
 }

@@ -1,18 +1,18 @@
-//! Which brackets and bodies belong together, and where the phrase around a token begins and ends.
+//! Nesting of brackets and bodies, and the extent of the phrase around a token.
 //!
-//! A phrase is what stands between two `;`: an equation, a step, a transition, a port. This works on
-//! tokens that may be in any disorder.
+//! A phrase is the text between two `;`: an equation, a step, a transition, a port. The tokens need not form a valid
+//! program.
 
 use crate::lexer::Lexeme;
 use crate::token::Token;
 use std::ops::Range;
 
-/// The nesting of a declaration's tokens.
+/// Nesting of the tokens of one declaration.
 pub(crate) struct Structure<'t> {
     lexemes: &'t [Lexeme],
-    /// For each token that opens or closes something, its partner.
+    /// For each opening or closing token, the index of its partner.
     partners: Vec<Option<usize>>,
-    /// For each token, the innermost opening token around it that has a partner, or is a `let`.
+    /// For each token, the index of the innermost enclosing opening token that has a partner or is a `let`.
     parents: Vec<Option<usize>>,
 }
 
@@ -27,19 +27,19 @@ impl<'t> Structure<'t> {
         }
     }
 
-    /// The innermost `let` that has no `tel`.
+    /// Returns the innermost `let` without `tel`.
     pub(crate) fn open_let(&self) -> Option<usize> {
         let is_let = |open: &usize| self.lexemes[*open].token == Token::Let;
         self.open_blocks().filter(is_let).last()
     }
 
-    /// Each `let` without `tel` and each `automaton` without `end`, outermost first.
+    /// Returns each `let` without `tel` and each `automaton` without `end`, outermost first.
     pub(crate) fn open_blocks(&self) -> impl Iterator<Item = usize> {
         let is_block = |i: &usize| matches!(self.lexemes[*i].token, Token::Let | Token::Automaton);
         (0..self.lexemes.len()).filter(move |i| is_block(i) && self.partners[*i].is_none())
     }
 
-    /// Where the phrase begins that breaks off at the end; the number of tokens if none does.
+    /// Returns the start of the incomplete phrase at the end of the input; the number of tokens if there is none.
     pub(crate) fn unfinished(&self) -> usize {
         let Some(open) = self.open_blocks().last() else {
             return self.lexemes.len();
@@ -60,12 +60,12 @@ impl<'t> Structure<'t> {
         start
     }
 
-    /// Whether the token ends a phrase that has a body.
+    /// Returns whether the token closes a body, and with it the phrase that has the body.
     fn closes_body(&self, at: usize) -> bool {
         matches!(self.lexemes[at].token, Token::Tel | Token::End) && self.partners[at].is_some()
     }
 
-    /// The nearest bracket before the token that is open there and never closed.
+    /// Returns the nearest bracket before the token, in the same phrase, that is never closed.
     pub(crate) fn open_bracket(&self, at: usize) -> Option<usize> {
         let phrase = self.phrase(at);
         let unclosed =
@@ -75,14 +75,14 @@ impl<'t> Structure<'t> {
             .find(unclosed)
     }
 
-    /// The phrase that the token is part of, without its `;`.
+    /// Returns the phrase that contains the token, without its `;`.
     pub(crate) fn phrase(&self, at: usize) -> Range<usize> {
         let (at, parent) = self.phrase_level(self.element(at));
         let start = self.start(at, parent);
         start..self.end(start, at, parent)
     }
 
-    /// The token; before the end of a list, or of all tokens, the one before it.
+    /// Returns the token, or the previous one if the token closes a list or lies past the last token.
     fn element(&self, at: usize) -> usize {
         let opens = self
             .partners
@@ -99,8 +99,8 @@ impl<'t> Structure<'t> {
         }
     }
 
-    /// The token, or the bracket around it, that stands directly in a list of phrases, and the
-    /// opening token of that list.
+    /// Returns the token, or the bracket around it, that lies directly in a list of phrases, and the opening token of
+    /// that list.
     fn phrase_level(&self, mut at: usize) -> (usize, Option<usize>) {
         loop {
             let Some(parent) = self.parents.get(at).copied().flatten() else {
@@ -113,30 +113,30 @@ impl<'t> Structure<'t> {
         }
     }
 
-    /// Whether the bracket holds parameters, ports or fields: phrases of their own.
+    /// Returns whether the bracket encloses parameters, ports or fields, each of which is a phrase.
     fn is_header_list(&self, open: usize) -> bool {
         let outside = self.parents[open].is_none();
         outside && !matches!(self.lexemes[open].token, Token::LBracket)
     }
 
-    /// The `let`, `automaton` or `con` around the token, if something is around that in turn.
+    /// Returns the innermost opening token around the token, unless it is the outermost one.
     pub(crate) fn block_around(&self, at: usize) -> Option<usize> {
         let open = self.parents.get(at).copied().flatten()?;
         self.parents[open].map(|_| open)
     }
 
-    /// Whether the token stands directly in a body, contract or automaton.
+    /// Returns whether the token lies directly in a body, contract or automaton.
     pub(crate) fn is_in_block(&self, at: usize) -> bool {
         let parent = self.parents.get(at).copied().flatten();
         parent.is_some_and(|open| is_block(self.lexemes[open].token))
     }
 
-    /// What closes or opens what the token opens or closes.
+    /// Returns the opening or closing token that matches the token.
     pub(crate) fn partner(&self, at: usize) -> Option<usize> {
         self.partners.get(at).copied().flatten()
     }
 
-    /// The innermost opening token around the token.
+    /// Returns the innermost opening token around the token.
     pub(crate) fn parent(&self, at: usize) -> Option<usize> {
         self.parents.get(at).copied().flatten()
     }
@@ -168,7 +168,7 @@ impl<'t> Structure<'t> {
             match self.lexemes[end].token {
                 Token::Semi if is_fragment && self.is_local(end + 1) => end += 1,
                 Token::Semi | Token::Tel | Token::Noc => break,
-                // The body of the declaration itself is not part of a phrase of its head.
+                // The body of the declaration itself is not part of a phrase of its header.
                 Token::Let if parent.is_none() => break,
                 Token::Let => {
                     let tel = self.partners[end];
@@ -180,14 +180,14 @@ impl<'t> Structure<'t> {
         end.min(last)
     }
 
-    /// Whether the local declarations of a fragment go on, or its body begins.
+    /// Returns whether the token continues the local declarations of a fragment, or begins its body.
     fn is_local(&self, at: usize) -> bool {
         use Token::{Colon, Comma, Con, Const, Ident, Let, Var};
         match self.token(at) {
             Some(Var | Const | Con | Let) => true,
             Some(Ident) => matches!(self.token(at + 1), Some(Colon | Comma)),
             Some(_) => false,
-            // The head of a fragment breaks off.
+            // The header of a fragment is incomplete.
             None => true,
         }
     }
@@ -210,7 +210,7 @@ fn is_block(token: Token) -> bool {
     matches!(token, Token::Let | Token::Automaton | Token::Con)
 }
 
-/// What closes the token, if it opens anything.
+/// Returns the closing token of an opening token.
 pub(crate) fn closing(open: Token) -> Option<Token> {
     use Token::*;
     Some(match open {
@@ -225,7 +225,7 @@ pub(crate) fn closing(open: Token) -> Option<Token> {
     })
 }
 
-/// Pairs what opens with what closes it. A bracket never reaches out of the block that it stands in.
+/// Pairs opening and closing tokens. A bracket is never paired across the border of a block.
 fn partners(lexemes: &[Lexeme]) -> Vec<Option<usize>> {
     let mut partners = vec![None; lexemes.len()];
     let mut open: Vec<usize> = Vec::new();
@@ -241,7 +241,7 @@ fn partners(lexemes: &[Lexeme]) -> Vec<Option<usize>> {
     partners
 }
 
-/// Where among the open ones the partner of a closing token is.
+/// Returns the index in `open` of the partner of a closing token.
 fn opened_by(lexemes: &[Lexeme], open: &[usize], close: Token) -> Option<usize> {
     use Token::{End, Noc, RBrace, RBracket, RParen, RStatic, Tel};
     let is_bracket_end = matches!(close, RParen | RBracket | RBrace | RStatic);

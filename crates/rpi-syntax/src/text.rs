@@ -1,9 +1,9 @@
-//! Text literals: between what is written and what is meant.
+//! String literals: conversion between source text and content.
 
-/// The content of a literal: without quotes, escapes resolved. A missing quote at the end is
-/// forgiven, as the lexer has reported it.
+/// Returns the content of a literal: without quotes, with escapes resolved. A missing closing quote is accepted, as the
+/// lexer has reported it.
 ///
-/// Escapes are `\"`, `\\`, `\n`, `\t`; any other escaped character stands for itself.
+/// Escapes are `\"`, `\\`, `\n`, `\t` and `\r`; any other escaped character denotes itself.
 pub(crate) fn unquote(literal: &str) -> String {
     let inner = literal.strip_prefix('"').unwrap_or(literal);
     let mut content = String::with_capacity(inner.len());
@@ -27,7 +27,7 @@ fn unescape(c: char) -> char {
     }
 }
 
-/// The literal for a content.
+/// Returns the literal with this content, quoted and escaped.
 pub(crate) fn quote(content: &str) -> String {
     let mut literal = String::with_capacity(content.len() + 2);
     literal.push('"');

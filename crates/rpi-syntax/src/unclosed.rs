@@ -1,8 +1,8 @@
-//! Where a body inside another one should have ended that has no `tel`.
+//! Finds the end of a nested body without `tel`.
 //!
-//! Tokens alone can not tell: the next `tel`, which is that of the body around it, would close it as well. What tells is a
-//! statement that can not stand inside (a result of a command), and the layout: what begins a line no further in than the
-//! statement that has the body is not part of it.
+//! The tokens alone are ambiguous, as the `tel` of the enclosing body would close the nested one. The evidence is a
+//! statement that is not allowed inside (a result of a command), and the indentation: a line indented no deeper than
+//! the statement that owns the body is not part of it.
 
 use crate::explain::{Found, after};
 use crate::lexer::Lexeme;
@@ -10,18 +10,18 @@ use crate::token::Token;
 use rpi_diag::{Code, Finding, Fix};
 use std::collections::BTreeMap;
 
-/// A body that should have ended.
+/// Nested body without `tel`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Unclosed {
-    /// Its `let`.
+    /// Index of its `let`.
     open: usize,
-    /// The token before which it should have ended.
+    /// Index of the token before which `tel` is expected.
     pub(crate) before: usize,
 }
 
-/// The first body inside another that goes on where it can not.
+/// Returns the first nested body that continues where it cannot.
 pub(crate) fn unclosed(found: &Found<'_, '_>) -> Option<Unclosed> {
-    // How far in the statements are that have a body.
+    // Indentation of the statements that own a body, by the index of its `let`.
     let mut indents = BTreeMap::new();
     (1..found.lexemes.len()).find_map(|before| {
         let open = inner_body(found, before)?;
@@ -38,7 +38,7 @@ pub(crate) fn unclosed(found: &Found<'_, '_>) -> Option<Unclosed> {
     })
 }
 
-/// The `let` of the body inside another in which a further statement begins here, or that ends here.
+/// Returns the `let` of the nested body in which a statement begins at this token, or which ends at it.
 fn inner_body(found: &Found<'_, '_>, at: usize) -> Option<usize> {
     let ends_statement = matches!(
         found.lexemes[at - 1].token,
@@ -53,13 +53,13 @@ fn inner_body(found: &Found<'_, '_>, at: usize) -> Option<usize> {
     (is_inner && found.lexemes[open].token == Token::Let).then_some(open)
 }
 
-/// How far in the line begins in which the statement with this body does.
+/// Returns the indentation of the statement that owns the body.
 fn indent_of(found: &Found<'_, '_>, open: usize) -> usize {
     let first = found.lexemes[found.structure.phrase(open).start];
     found.cx.indent_of_line(first.start).len()
 }
 
-/// The finding about it.
+/// Creates the diagnostic for an unclosed body (RPI0004), with a fix that inserts `tel`.
 pub(crate) fn finding(found: &Found<'_, '_>, unclosed: Unclosed) -> Finding {
     let Lexeme { start, end, .. } = found.lexemes[unclosed.open];
     let (last, next) = (
@@ -72,8 +72,11 @@ pub(crate) fn finding(found: &Found<'_, '_>, unclosed: Unclosed) -> Finding {
         false => format!("\n{}tel", found.cx.indent_of_line(start)),
     };
     let behind = after(found.cx.span(last.start, last.end));
-    Finding::new(Code::RPI0004, "this body has no end")
-        .at(found.cx.span(start, end), "no `tel` for this `let`")
+    Finding::new(Code::RPI0004, "this body is not closed")
+        .at(
+            found.cx.span(start, end),
+            "this `let` has no matching `tel`",
+        )
         .also(
             found.cx.span(next.start, next.end),
             "expected `tel` before this",

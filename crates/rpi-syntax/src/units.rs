@@ -1,9 +1,9 @@
-//! Where a unit ends that was written without its brackets.
+//! Length of a unit written without brackets.
 //!
-//! What the units are is known elsewhere: here only their shape is, `mm/s^2`.
+//! Only the shape of units is known here (`mm/s^2`), not their names.
 
-/// How many bytes of what follows a word belong to the same unit: `^2/s` of `m^2/s + x`. A factor follows
-/// without a space, and is no longer than units are.
+/// Returns the number of bytes after a word that belong to the same unit: `^2/s` of `m^2/s + x`. A factor follows
+/// without a space and has at most [`LONGEST`] letters.
 pub(crate) fn rest(text: &str) -> usize {
     let mut end = power(text);
     loop {
@@ -15,10 +15,10 @@ pub(crate) fn rest(text: &str) -> usize {
     }
 }
 
-/// The longest name of a unit that follows a sign.
+/// Maximum number of letters of a unit after `/` or `*`.
 const LONGEST: usize = 4;
 
-/// The bytes of `/s^2` or `*m` at the start of a text.
+/// Returns the length in bytes of `/s^2` or `*m` at the start of a text; 0 if there is none.
 fn factor(text: &str) -> usize {
     let Some(name) = text.strip_prefix(['/', '*']) else {
         return 0;
@@ -36,7 +36,7 @@ fn factor(text: &str) -> usize {
     }
 }
 
-/// The bytes of `^2` or `^-1` at the start of a text.
+/// Returns the length in bytes of `^2` or `^-1` at the start of a text; 0 if there is none.
 fn power(text: &str) -> usize {
     let Some(exponent) = text.strip_prefix('^') else {
         return 0;

@@ -1,14 +1,13 @@
-//! Decides where a contextual word is a keyword and where it is a name.
+//! Resolution of contextual keywords: decides where such a word is a keyword and where it is a name.
 //!
-//! One pass over the tokens, left to right, by the row of the word table and the tokens on both
-//! sides. So few words need to be reserved, and the grammar never sees the question.
+//! One pass over the tokens, left to right, uses the row of the keyword table and the neighbouring tokens. So few words
+//! need to be reserved, and the grammar has no ambiguity to resolve.
 
 use crate::Mode;
 use crate::lexer::Lexeme;
 use crate::token::{Keyword, Place, Token};
 
-/// Turns every contextual word that stands where it is a name into a name, and every text that
-/// names a claim into a label.
+/// Turns every contextual keyword that is used as a name into a name, and every string that names a claim into a label.
 pub(crate) fn settle(lexemes: &mut [Lexeme], mode: Mode) {
     let has_own_check = mode == Mode::Rpi && declares_node(lexemes, Token::Check);
     let has_own_last = declares_node(lexemes, Token::Last);
@@ -37,12 +36,12 @@ pub(crate) fn settle(lexemes: &mut [Lexeme], mode: Mode) {
     }
 }
 
-/// The `;` inside of brackets, in text order: `merge(c; start * 2.0; x)`. No statement begins behind them. Those of the modes of a
-/// contract, `mode m (require x; ensure y)`, are none of them, and a bracket that is not closed holds none.
+/// Returns the indices of the `;` inside brackets, in text order: `merge(c; start * 2.0; x)`. No statement begins after
+/// them. The `;` in a mode of a contract, `mode m (require x; ensure y)`, and in an unclosed bracket are left out.
 fn enclosed(lexemes: &[Lexeme]) -> Vec<usize> {
     use Token::{LBracket, LParen, LStatic, Let, RBracket, RParen, RStatic, Semi, Tel};
     let of_mode = |open: usize| open >= 2 && lexemes[open - 2].token == Token::ModeWord;
-    // Each open bracket, with the number of signs that had been found before it.
+    // Each open bracket with the number of `;` found before it.
     let mut open: Vec<(usize, usize)> = Vec::new();
     let mut found = Vec::new();
     for (at, lexeme) in lexemes.iter().enumerate() {
@@ -69,13 +68,13 @@ fn enclosed(lexemes: &[Lexeme]) -> Vec<usize> {
     found
 }
 
-/// `last (x)`: no call stands there, unless the file declares what is called so.
+/// Returns whether the token is the operator `last` before a bracket: `last (x)`.
 fn is_last_of(lexemes: &[Lexeme], at: usize, enclosed: &[usize]) -> bool {
     let around = Around::new(lexemes, at, enclosed);
     lexemes[at].token == Token::Last && around.after == Some(Token::LParen) && !around.is_field()
 }
 
-/// `(activate (restart N every r) every c)`: no call of something that is called `activate`.
+/// Returns whether the token is the keyword in `(activate (restart N every r) every c)`, not a call of `activate`.
 fn is_before_restart(lexemes: &[Lexeme], at: usize) -> bool {
     let token = |behind: usize| lexemes.get(at + behind).map(|lexeme| lexeme.token);
     lexemes[at].token == Token::Activate
@@ -83,8 +82,8 @@ fn is_before_restart(lexemes: &[Lexeme], at: usize) -> bool {
         && token(3).is_some_and(is_name)
 }
 
-/// The words `match` before a value in parentheses, `match (o) with A: 1 end`, in text order: what is called so is not followed
-/// by cases.
+/// Returns the indices of the `match` before a value in parentheses, `match (o) with A: 1 end`, in text order. A call
+/// of a node named `match` is not followed by cases.
 fn in_parentheses_matched(lexemes: &[Lexeme]) -> Vec<usize> {
     let mut open = Vec::new();
     let mut found = Vec::new();
@@ -103,7 +102,7 @@ fn in_parentheses_matched(lexemes: &[Lexeme]) -> Vec<usize> {
     found
 }
 
-/// `with A: 1`, `with | A: 1`, `with W(A): 1`; but a part that is replaced is `with [0] = 1`.
+/// Returns whether cases follow: `with A: 1`, `with | A: 1`, `with W(A): 1`. An update has the form `with [0] = 1`.
 fn cases_follow(lexemes: &[Lexeme], at: usize) -> bool {
     let token = |i: usize| lexemes.get(i).map(|lexeme| lexeme.token);
     let is_case = token(at + 1).is_some_and(is_name)
@@ -111,7 +110,7 @@ fn cases_follow(lexemes: &[Lexeme], at: usize) -> bool {
     token(at) == Some(Token::With) && (is_case || token(at + 1) == Some(Token::Bar))
 }
 
-/// Whether something of the file that can be called has the word as its name.
+/// Returns whether the file declares a node, function or fragment named like the keyword.
 fn declares_node(lexemes: &[Lexeme], word: Token) -> bool {
     use Token::{Fragment, Function, Imported, Node};
     let pairs = lexemes.windows(2);
@@ -120,8 +119,8 @@ fn declares_node(lexemes: &[Lexeme], word: Token) -> bool {
     names.any(|pair| pair[1].token == word)
 }
 
-/// `guarantee (x > 0);` of a contract, `check (x > 0);` of a body: no call stands there, only one of a node `check` that the
-/// file declares.
+/// Returns whether the token begins a claim with a bracket, not a call: `guarantee (x > 0);` in a contract,
+/// `check (x > 0);` in a body. If the file declares a node `check`, the latter is a call.
 fn begins_claim(
     lexemes: &[Lexeme],
     at: usize,
@@ -152,7 +151,7 @@ fn settle_text(lexemes: &mut [Lexeme], at: usize) {
     }
 }
 
-/// Puts in the `type` of `f<<type real[m]>>` where it was left out: nothing else than a type can be meant.
+/// Inserts the `type` of `f<<type real[m]>>` where it is left out, as only a type is possible there.
 pub(crate) fn mark_types(lexemes: &mut Vec<Lexeme>) {
     use Token::{Comma, LBracket, LStatic, RealType};
     let begins = |at: &usize| {
@@ -185,7 +184,7 @@ pub(crate) fn mark_types(lexemes: &mut Vec<Lexeme>) {
     *lexemes = marked;
 }
 
-/// Parts the `>>` of `any@<set<int>>` in two: both close a list of types that a `<` opens.
+/// Splits the `>>` of `any@<set<int>>` into two `>`, as each closes a list of types opened by `<`.
 pub(crate) fn part_closing(lexemes: &mut Vec<Lexeme>) {
     let mut open: Vec<Token> = Vec::new();
     let mut parted = Vec::new();
@@ -228,20 +227,21 @@ pub(crate) fn part_closing(lexemes: &mut Vec<Lexeme>) {
     }
 }
 
-/// Whether a `>` stands right behind: `>>>` of `any<<type set<int>>>`.
+/// Returns whether a `>` follows directly: the `>>>` of `any<<type set<int>>>`.
 fn closes_both(lexemes: &[Lexeme], at: usize) -> bool {
     let next = lexemes.get(at + 1);
     next.is_some_and(|next| next.token == Token::Gt && next.start == lexemes[at].end)
 }
 
-/// `>> >` becomes `> >>`.
+/// Turns `>> >` into `> >>`.
 fn shift(lexemes: &mut [Lexeme], at: usize) {
     let middle = lexemes[at].start + 1;
     (lexemes[at].token, lexemes[at].end) = (Token::Gt, middle);
     (lexemes[at + 1].token, lexemes[at + 1].start) = (Token::RStatic, middle);
 }
 
-/// Whether the `<` opens a list of types: after `@`, after a name where a type stands, or inside such a list.
+/// Returns whether the `<` opens a list of types: after `@`, after a name in the place of a type, or inside such a
+/// list.
 fn opens_types(lexemes: &[Lexeme], at: usize, open: Option<&Token>) -> bool {
     use Token::{At, Colon, Comma, Gt, Ident, LStatic, Lt, Semi, Type};
     let token = |back: usize| at.checked_sub(back).map(|at| lexemes[at].token);
@@ -253,10 +253,10 @@ fn opens_types(lexemes: &[Lexeme], at: usize, open: Option<&Token>) -> bool {
     }
 }
 
-/// How far back the bracket around a type is looked for.
+/// Maximum number of tokens searched backwards for the bracket around a type.
 const NEAR: usize = 200;
 
-/// The bracket that is open behind these tokens.
+/// Returns the innermost bracket that is open after these tokens.
 fn opened_by(before: &[Lexeme]) -> Option<Token> {
     use Token::{LBrace, LBracket, LParen, LStatic, RBrace, RBracket, RParen, RStatic};
     let mut depth = 0u32;
@@ -279,20 +279,20 @@ fn opened_by(before: &[Lexeme]) -> Option<Token> {
     opens.map(|lexeme| lexeme.token)
 }
 
-/// The tokens around a word: those before it are settled, the next one is not.
+/// Tokens around a word. Keywords before it are resolved; those after it are not.
 struct Around {
     third_before: Option<Token>,
     second_before: Option<Token>,
     before: Option<Token>,
     after: Option<Token>,
     second_after: Option<Token>,
-    /// Whether a `;` stands before it that is inside of brackets.
+    /// Whether the previous token is a `;` inside brackets.
     is_enclosed: bool,
-    /// Whether a bracket follows in which variables are declared.
+    /// Whether a bracket with variable declarations follows.
     binds: bool,
 }
 
-/// Whether names with their type follow the bracket at `at`.
+/// Returns whether variable declarations follow the bracket at `at`.
 fn declares(lexemes: &[Lexeme], at: usize) -> bool {
     let token = |i: usize| lexemes.get(i).map(|lexeme| lexeme.token);
     if !matches!(token(at), Some(Token::LParen | Token::LBrace)) {
@@ -348,25 +348,25 @@ impl Around {
         }
     }
 
-    /// `arm.end`; but a `.` after `tel` ends a declaration.
+    /// Returns whether the word is a field: `arm.end`. A `.` after `tel` ends a declaration instead.
     fn is_field(&self) -> bool {
         self.before == Some(Token::Dot) && self.second_before != Some(Token::Tel)
     }
 
-    /// `end = 3`, `start: real`, `(end, x)`, `f(start)`
+    /// Returns whether the next token shows that the word is a name: `end = 3`, `start: real`, `(end, x)`, `f(start)`.
     fn is_defined_or_named(&self) -> bool {
         use Token::{Colon, Comma, Dot, Eq, RParen};
         matches!(self.after, Some(Eq | Colon | Comma | Dot | RParen))
     }
 
-    /// `test(x)`, `frame[2]`
+    /// Returns whether the word is called or indexed: `test(x)`, `frame[2]`.
     fn is_called(&self) -> bool {
         use Token::{LBracket, LParen};
         matches!(self.after, Some(LParen | LBracket))
     }
 
-    /// Where something can begin, if it is no call there; or right before a name, where nothing else
-    /// than a word of the language can stand.
+    /// Returns whether the word begins a declaration or statement: it is at a possible start and not called, or it is
+    /// directly before a name or literal, where only a keyword is possible.
     fn begins(&self, can_begin: bool) -> bool {
         use Token::{Ident, Int, Path, Real, Str};
         let before_name = matches!(self.after, Some(Ident | Path | Int | Real | Str));
@@ -400,7 +400,8 @@ impl Around {
         }
     }
 
-    /// `status in base`: a connective word follows, and behind it no other. `c initial default x` has a value before it.
+    /// Returns whether the word is an operand before a connective keyword: `status in base`. In `c initial default x` a
+    /// value precedes, so `initial` is a keyword.
     fn is_joined(&self) -> bool {
         if self.before.is_some_and(ends_value) {
             return false;
@@ -416,7 +417,8 @@ impl Around {
         self.after.is_some_and(connects) && self.second_after.is_some_and(goes_on)
     }
 
-    /// First or next in a list, where a connective word may follow: `Pose(state in base)`.
+    /// Returns whether the word begins an element of a list, where a connective keyword may follow:
+    /// `Pose(state in base)`.
     fn is_element(&self) -> bool {
         matches!(self.before, Some(Token::LParen | Token::Comma))
     }
@@ -425,19 +427,19 @@ impl Around {
         self.before.is_some_and(ends_operand) && !self.is_converted()
     }
 
-    /// `int step`: a conversion, where no type stands.
+    /// Returns whether the word is the operand of a conversion: `int step`. After `:` or `of`, `int` is a type.
     fn is_converted(&self) -> bool {
         let is_type = matches!(self.second_before, Some(Token::Colon | Token::Of));
         matches!(self.before, Some(Token::IntType | Token::RealType)) && !is_type
     }
 
-    /// `real current x`: `int` and `real` end a type, or convert what follows.
+    /// Returns whether the word is a prefix operator: `real current x`. `int` and `real` before it may be conversions.
     fn is_prefix(&self) -> bool {
         let converted = matches!(self.before, Some(Token::IntType | Token::RealType));
         (converted || !self.is_after_operand()) && self.after.is_some_and(begins_operand)
     }
 
-    /// `(restart step every c)(x)`, where `step` is a node.
+    /// Returns whether the word is the node of a restart: `step` in `(restart step every c)(x)`.
     fn is_restarted(&self) -> bool {
         [self.second_before, self.before] == [Some(Token::LParen), Some(Token::Restart)]
     }
@@ -446,11 +448,11 @@ impl Around {
         self.is_after_operand() || self.before == Some(Token::Bar)
     }
 
-    /// `(int8 x)`
+    /// Returns whether the word is a conversion to a machine integer: `(int8 x)`.
     fn converts(&self, word: &Keyword) -> bool {
         use Token::{At, Colon, Ident, Int, LParen, Minus};
         let is_type = matches!(self.before, Some(Colon | Token::Of));
-        // `sint` has a width behind it: `sint - 1` is a difference.
+        // `sint` needs a width: `sint - 1` is a difference.
         if matches!(word.text, "sint" | "uint") && self.after == Some(Minus) {
             return false;
         }
@@ -464,7 +466,8 @@ impl Around {
     }
 }
 
-/// Whether the token begins an operand and goes on with none: `x - y` is a difference, also if `x` is a prefix elsewhere.
+/// Returns whether the token begins an operand and cannot continue one. `-` is excluded: `x - y` is a difference, even
+/// if `x` is a prefix elsewhere.
 pub(crate) fn begins_operand(token: Token) -> bool {
     use Token::{
         Current, False, Hash, Ident, If, Int, IntType, LParen, Last, Merge, Nor, Not, Path, Pre,
@@ -481,7 +484,7 @@ pub(crate) fn begins_operand(token: Token) -> bool {
     value || word
 }
 
-/// Whether the token ends a value.
+/// Returns whether the token ends a value.
 pub(crate) fn ends_value(token: Token) -> bool {
     use Token::{
         False, Ident, Int, Path, Percent, RBrace, RBracket, RParen, RStatic, Real, Str, True,
@@ -490,12 +493,12 @@ pub(crate) fn ends_value(token: Token) -> bool {
     value || matches!(token, RParen | RBracket | RBrace | RStatic | Percent)
 }
 
-/// Whether an operator could stand after the token.
+/// Returns whether an operator or clause may follow the token.
 fn ends_operand(token: Token) -> bool {
     use Token::{BoolType, End, Initial, IntType, Otherwise, Question, RealType, Restart, Tel};
     match token {
         token if ends_value(token) => true,
-        // Ends of types, bodies and clauses, after which a clause may follow.
+        // Last tokens of types, bodies and clauses: a clause may follow.
         BoolType | IntType | RealType | Question | Tel | End | Initial | Otherwise | Restart => {
             true
         }

@@ -1,64 +1,64 @@
-//! What can stand at a place of a text, told from the words and signs before it.
+//! Syntactic context of the cursor, determined from the tokens before it.
 
 use std::ops::Range;
 
 use rpi_syntax::{CommentKind, Mode, Piece, PieceKind, pieces};
 
-/// The place of the cursor.
+/// Context of the cursor.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(super) struct Cursor {
-    /// What is written of the word so far.
+    /// Byte range of the part of the word before the cursor.
     pub(super) prefix: Range<usize>,
-    /// What the word can be.
+    /// Kind of name expected at the cursor.
     pub(super) wanted: Wanted,
 }
 
-/// What a word can be.
+/// Kind of name expected at the cursor.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(super) enum Wanted {
-    /// A member of what stands before the dot.
+    /// Member of the path before the dot.
     Member(Path),
-    /// A unit of measure.
+    /// Unit of measure.
     Unit,
-    /// A module.
+    /// Module.
     Module,
-    /// Any name; at the start of an argument also the name of a parameter.
+    /// Any name. At the start of an argument, also the name of a parameter.
     Name(Option<Argument>),
 }
 
-/// `way.pose`, or `f(x).pose`.
+/// Path before a dot: `way.pose`, `f(x).pose`.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(super) struct Path {
-    /// The first name.
+    /// First name.
     pub(super) root: String,
-    /// Whether it is called.
+    /// Whether the first name is called.
     pub(super) is_call: bool,
-    /// The names after it.
+    /// Names after the first one.
     pub(super) rest: Vec<String>,
 }
 
-/// The start of an argument of a call.
+/// Call whose argument begins at the cursor.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(super) struct Argument {
-    /// What is called.
+    /// Name of the callee.
     pub(super) callee: String,
-    /// The arguments that are given by name already.
+    /// Names of the arguments that are already passed by name.
     pub(super) given: Vec<String>,
 }
 
-/// Signs that open something, with those that close it.
+/// Opening brackets with their closing brackets.
 const BRACKETS: &[(&str, &str)] = &[("(", ")"), ("<<", ">>"), ("[", "]"), ("{", "}")];
 
-/// Signs and words behind which no bracket is open that was open before.
+/// Tokens that end all open brackets.
 const ENDS: &[&str] = &[";", "let", "tel"];
 
 impl Cursor {
-    /// None inside comments, texts and numbers.
+    /// Determines the context at a byte offset. Returns [`None`] inside comments, strings and numbers.
     pub(super) fn at(text: &str, offset: usize, mode: Mode) -> Option<Cursor> {
         let before = text.get(..offset)?;
         let in_word = |c: char| c.is_ascii_alphanumeric() || matches!(c, '_' | '\'' | ':');
         let start = before.trim_end_matches(in_word).len();
-        // `name:` stands before a word, `Core::` is a part of one.
+        // `name:` precedes a word, whereas `Core::` is part of one.
         let word = &before[start..];
         let start = match word.rfind(':') {
             Some(colon) if !word.contains("::") => start + colon + 1,
@@ -85,7 +85,7 @@ impl Cursor {
     }
 }
 
-/// Whether no name can be written at a place because of the piece that it is in.
+/// Returns whether the offset is inside a comment, string or number, where no name is possible.
 fn is_closed_to_names(piece: &Piece, offset: usize) -> bool {
     let Range { start, end } = piece.range;
     let to_line_end = match piece.kind {
@@ -97,7 +97,7 @@ fn is_closed_to_names(piece: &Piece, offset: usize) -> bool {
     start < offset && (offset < end || to_line_end && offset == end)
 }
 
-/// A word or sign.
+/// Token before the cursor.
 #[derive(Clone, Copy)]
 struct Word<'t> {
     text: &'t str,
@@ -121,7 +121,7 @@ fn wanted(words: &[Word<'_>]) -> Wanted {
     Wanted::Name(if begins { argument(words) } else { None })
 }
 
-/// `use a, b`
+/// Returns whether a module name is expected: `use a, b`.
 fn is_after_use(words: &[Word<'_>]) -> bool {
     let in_list = |word: &&Word<'_>| word.text == "," || word.kind == PieceKind::Name;
     let head = words.iter().rev().find(|word| !in_list(word));
@@ -131,7 +131,7 @@ fn is_after_use(words: &[Word<'_>]) -> bool {
     begins && head.is_some_and(|word| word.text == "use")
 }
 
-/// `250[mm/`, `real[`
+/// Returns whether a unit is expected: `250[mm/`, `real[`.
 fn is_in_unit(words: &[Word<'_>]) -> bool {
     let inside = |word: &Word<'_>| {
         matches!(word.kind, PieceKind::Name | PieceKind::Number)
@@ -145,7 +145,7 @@ fn is_in_unit(words: &[Word<'_>]) -> bool {
     words[open].text == "[" && measured
 }
 
-/// The names before a dot.
+/// Returns the path at the end of the tokens before a dot.
 fn path(words: &[Word<'_>]) -> Option<Path> {
     let mut rest = Vec::new();
     let mut left = words;
@@ -176,7 +176,7 @@ fn path(words: &[Word<'_>]) -> Option<Path> {
     }
 }
 
-/// The words before a bracket at the end that is closed there.
+/// Returns the tokens without the bracketed list at their end, if there is one.
 fn without_closed<'a, 't>(words: &'a [Word<'t>], open: &str, close: &str) -> &'a [Word<'t>] {
     if words.last().is_none_or(|word| word.text != close) {
         return words;
@@ -195,7 +195,7 @@ fn without_closed<'a, 't>(words: &'a [Word<'t>], open: &str, close: &str) -> &'a
     words
 }
 
-/// The call whose argument begins here.
+/// Returns the call whose argument begins at the cursor.
 fn argument(words: &[Word<'_>]) -> Option<Argument> {
     let mut given = Vec::new();
     let mut closed = 0_usize;
@@ -218,7 +218,7 @@ fn argument(words: &[Word<'_>]) -> Option<Argument> {
     None
 }
 
-/// Static arguments may be separated by `;`: one that stands inside of `<<` ends nothing.
+/// Returns whether a `;` separates static arguments inside `<<`, and so does not end the call.
 fn is_separator(words: &[Word<'_>], at: usize) -> bool {
     let before = words[..at].iter().rev();
     let mut until_end = before.take_while(|word| !ENDS[1..].contains(&word.text));
@@ -239,7 +239,7 @@ fn callee(words: &[Word<'_>], open: &str) -> Option<String> {
 mod tests {
     use super::*;
 
-    /// The place of `|`.
+    /// Returns the context at `|`.
     fn at(text: &str) -> Option<Cursor> {
         let offset = text.find('|').unwrap();
         Cursor::at(&text.replace('|', ""), offset, Mode::Rpi)

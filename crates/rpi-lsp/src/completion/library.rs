@@ -1,4 +1,4 @@
-//! Names of the standard library's modules that a text does not use yet.
+//! Names of the standard library, for completion with an additional `use`.
 
 use std::sync::LazyLock;
 
@@ -6,17 +6,17 @@ use rpi_diag::FileId;
 use rpi_syntax::ast::{Doc, Item, ItemKind};
 use rpi_syntax::{Mode, Name, parse};
 
-/// A name that `use` would bring.
+/// Name of a library module.
 #[derive(Clone, Debug)]
 pub(super) struct Offer {
     pub(super) module: &'static str,
     pub(super) name: Name,
-    /// The declaration without its body.
+    /// Header of the declaration.
     pub(super) head: String,
     pub(super) doc: Option<Doc>,
 }
 
-/// All of them, in the order of the modules and their texts.
+/// Returns all library names, in the order of the modules and their texts.
 pub(super) fn offers() -> &'static [Offer] {
     static OFFERS: LazyLock<Vec<Offer>> = LazyLock::new(|| {
         let modules = rpi_driver::library_modules();
@@ -39,7 +39,7 @@ fn of_module(module: &'static str) -> Vec<Offer> {
     parsed.file.items.iter().filter_map(offer).collect()
 }
 
-/// The name of what is brought by name; primitives have theirs everywhere.
+/// Returns the name of a declaration. [`None`] for declarations that need no `use`, such as primitives.
 fn name_of(item: &Item) -> Option<Name> {
     match &item.kind {
         ItemKind::Node(node) => Some(node.signature.name.name.clone()),

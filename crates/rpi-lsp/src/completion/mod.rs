@@ -1,7 +1,7 @@
-//! What could be written at a position.
+//! Completion.
 //!
-//! `cursor.rs` tells from the pieces of the text what can stand there, however broken it is; `names.rs` finds the names
-//! for it, `library.rs` those of modules that are not used yet.
+//! `cursor.rs` determines from the tokens before the cursor which kind of name is expected, also in text with syntax
+//! errors. `names.rs` collects the matching names, `library.rs` those of modules that are not imported yet.
 
 mod cursor;
 mod library;
@@ -12,7 +12,7 @@ use lsp_types::{CompletionList, CompletionParams, CompletionResponse};
 use crate::world::World;
 use cursor::Cursor;
 
-/// What could be written at a position; nothing in comments and texts.
+/// Handles `textDocument/completion`. Returns [`None`] inside comments, strings and numbers.
 pub(crate) fn completion(
     world: &mut World,
     params: CompletionParams,
@@ -25,7 +25,7 @@ pub(crate) fn completion(
     let cursor = Cursor::at(text, offset as usize, seen.mode())?;
     let list = names::Names::new(&seen, &places, offset, &cursor).list();
     Some(CompletionResponse::List(CompletionList {
-        // The primitives are told by what is written of them.
+        // The list depends on the text typed so far: primitives are filtered by it.
         is_incomplete: true,
         items: list,
     }))

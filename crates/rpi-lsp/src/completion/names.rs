@@ -1,4 +1,4 @@
-//! The names that fit what is wanted.
+//! Collects the completion items for the kind of name that is expected.
 
 use std::collections::BTreeSet;
 
@@ -20,7 +20,7 @@ use crate::describe::brief;
 use crate::places::Places;
 use crate::primitive;
 
-/// What a definition is in the protocol's words.
+/// Completion item kinds of the protocol, by kind of definition.
 const KINDS: &[(DefKind, CompletionItemKind)] = &[
     (DefKind::Module, CompletionItemKind::MODULE),
     (DefKind::Const, CompletionItemKind::CONSTANT),
@@ -41,7 +41,7 @@ const KINDS: &[(DefKind, CompletionItemKind)] = &[
     (DefKind::State, CompletionItemKind::MODULE),
 ];
 
-/// The order of the groups: what is nearest comes first.
+/// Group of a completion item, in sort order: the closest names come first.
 #[derive(Clone, Copy)]
 enum Group {
     Argument,
@@ -53,7 +53,7 @@ enum Group {
     Primitive,
 }
 
-/// Looks for names.
+/// Collector of completion items for a cursor.
 pub(super) struct Names<'s> {
     seen: &'s Inspected,
     places: &'s Places<'s>,
@@ -122,7 +122,7 @@ impl<'s> Names<'s> {
         }
     }
 
-    /// What can be read as `path.name`.
+    /// Returns the members of a path: fields, ports, results, inner flows.
     fn members(&self, path: &Path) -> Vec<CompletionItem> {
         let Some(last) = self.behind(path) else {
             return Vec::new();
@@ -134,7 +134,7 @@ impl<'s> Names<'s> {
         members.chain(self.parts(parts)).collect()
     }
 
-    /// What a path leads to.
+    /// Resolves a path.
     fn behind(&self, path: &Path) -> Option<DefId> {
         let index = self.seen.index();
         let root = index.resolve(FileId(0), self.offset, &path.root)?;
@@ -147,7 +147,7 @@ impl<'s> Names<'s> {
         names.try_fold(root, |owner, name| index.member(owner, name))
     }
 
-    /// The parts of a spatial value.
+    /// Returns the parts of a spatial type (such as position and rotation).
     fn parts(&self, types: &[Typed]) -> Vec<CompletionItem> {
         let parts = types.iter().flat_map(|typed| match typed.ty {
             Ty::Spatial(scalar, _) => spatial_parts(scalar).collect::<Vec<_>>(),
@@ -166,7 +166,7 @@ impl<'s> Names<'s> {
         UNITS.iter().map(|row| unit(row.name, row.doc)).collect()
     }
 
-    /// The modules of the standard library, and the files beside the program.
+    /// Returns the modules of the standard library, and the `.rpi` files in the folder of the program.
     fn modules(&self) -> Vec<CompletionItem> {
         let mut names: BTreeSet<String> =
             rpi_driver::library_modules().map(str::to_owned).collect();
@@ -188,7 +188,7 @@ impl<'s> Names<'s> {
         names.iter().map(module).collect()
     }
 
-    /// The parameters that a call does not give yet, with the `:` that follows.
+    /// Returns the parameters of a call that are not passed by name yet, as `name: `.
     fn arguments(&self, argument: &Argument) -> Vec<CompletionItem> {
         let index = self.seen.index();
         let callee = index.resolve(FileId(0), self.offset, &argument.callee);
@@ -215,7 +215,7 @@ impl<'s> Names<'s> {
         let of = |id: DefId| {
             let parent = index.def(id).parent.map(|parent| index.def(parent).kind);
             let is_top = parent.is_none_or(|kind| kind == DefKind::Module);
-            // Nor is a test named anywhere.
+            // Primitives are listed by `primitives`, and tests are never referred to.
             let is_unnamed = matches!(index.def(id).kind, DefKind::Primitive | DefKind::Test);
             let group = if is_top { Group::Declared } else { Group::Near };
             (!is_unnamed).then(|| self.of_def(group, id))
@@ -223,7 +223,7 @@ impl<'s> Names<'s> {
         visible.into_iter().filter_map(of).collect()
     }
 
-    /// The words of the language, and what is there without a declaration.
+    /// Returns the predeclared names and the keywords.
     fn words(&self) -> Vec<CompletionItem> {
         let mode = self.seen.mode();
         let keywords = KEYWORDS
@@ -248,7 +248,7 @@ impl<'s> Names<'s> {
         built_in.chain(keywords).collect()
     }
 
-    /// Names of modules that the program does not use yet; the `use` comes with them.
+    /// Returns the names of library modules that are not imported yet, with an edit that adds the `use`.
     fn offered(&self) -> Vec<CompletionItem> {
         if self.seen.mode() == Mode::Lustre {
             return Vec::new();
@@ -269,7 +269,7 @@ impl<'s> Names<'s> {
         offers.map(of).collect()
     }
 
-    /// `use module;` before the first declaration that is not a `use` itself.
+    /// Returns the edit that inserts `use module;` after the last `use`, or at the start of the text.
     fn use_of(&self, module: &str) -> TextEdit {
         let text = self.seen.sources.text(FileId(0));
         let lines = text.split_inclusive('\n');
@@ -287,7 +287,7 @@ impl<'s> Names<'s> {
         TextEdit::new(range, format!("use {module};\n{apart}"))
     }
 
-    /// Primitives, by any part of their names.
+    /// Returns the primitives whose name contains the typed text; none if nothing has been typed.
     fn primitives(&self) -> Vec<CompletionItem> {
         let text = self.seen.sources.text(FileId(0));
         let written = text.get(self.cursor.prefix.clone()).unwrap_or_default();

@@ -1,10 +1,10 @@
-//! What could be written.
+//! Completion.
 
 use serde_json::{Value, json};
 
 use crate::support::{URI, cursor, open};
 
-/// The labels at `|`.
+/// Returns the labels of the completion items at `|`.
 fn labels(marked: &str) -> Vec<String> {
     let (text, position) = cursor(marked);
     let mut session = open(&text);
@@ -13,7 +13,7 @@ fn labels(marked: &str) -> Vec<String> {
     labels
 }
 
-/// Whether all of these are among the labels at `|`.
+/// Asserts that the completion items at `|` include all the expected labels.
 #[track_caller]
 fn offers(marked: &str, expected: &[&str]) {
     let found = labels(marked);

@@ -1,4 +1,4 @@
-//! Findings while one writes, their fixes, the one style.
+//! Diagnostics, code actions and formatting.
 
 use rpi_testkit::LspClient;
 use serde_json::{Value, json};
@@ -73,7 +73,7 @@ fn places_count_utf16_units() {
     session.leave().unwrap();
 }
 
-/// A folder with a module and a program that uses it, and their addresses.
+/// Creates a folder with a module and opens a program that uses it. Returns the folder and both URIs.
 fn two_files(client: &mut LspClient) -> (tempfile::TempDir, String, String) {
     let dir = tempfile::tempdir().unwrap();
     let uri = |name: &str| format!("file://{}", dir.path().join(name).display());
@@ -132,7 +132,7 @@ fn errors_in_other_files_are_shown_there() {
     session.leave().unwrap();
 }
 
-/// The code actions in a whole text.
+/// Returns the code actions for a whole text.
 fn actions(session: &mut Session, only: Value) -> Vec<Value> {
     let range =
         json!({ "start": { "line": 0, "character": 0 }, "end": { "line": 99, "character": 0 } });
@@ -145,7 +145,7 @@ fn actions(session: &mut Session, only: Value) -> Vec<Value> {
     result.as_array().cloned().unwrap_or_default()
 }
 
-/// A text after the edits of an action, which are in lines of one character set only.
+/// Returns the text after the edits of an action. The edited lines must be ASCII.
 fn edited(text: &str, action: &Value) -> String {
     let edits = action["edit"]["changes"][URI].as_array().expect("edits");
     let mut edits: Vec<Value> = edits.clone();

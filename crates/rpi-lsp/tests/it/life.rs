@@ -1,4 +1,4 @@
-//! From the first message to the last, and what happens when messages are not as they should be.
+//! Lifecycle of a session, and handling of invalid messages.
 
 use serde_json::{Value, json};
 

@@ -1,4 +1,4 @@
-//! The server as an editor meets it: messages in, messages out, over pipes.
+//! Integration tests of the server over pipes, as an editor uses it.
 
 mod completion;
 mod findings;

@@ -1,4 +1,4 @@
-//! What names mean, and where they are declared.
+//! Hover, navigation and outline.
 
 use serde_json::{Value, json};
 
@@ -89,7 +89,7 @@ fn hovering_tells_type_unit_presence_and_documentation() {
             0,
             &["fragment Late when way.done", "fragment in place of `Go`"],
         ),
-        ("when way.done;", 0, &["when", "word of the language"]),
+        ("when way.done;", 0, &["when", "keyword"]),
         ("250", 0, &["real[m/s]"]),
         ("?? 0", 0, &["real[m]"]),
         (
@@ -131,7 +131,7 @@ fn what_is_built_in_has_words() {
         ("time", "since the command's first cycle"),
         ("none", "The absent value."),
         ("Core::DoubleAdd", "primitive Core::DoubleAdd"),
-        ("returns", "word of the language"),
+        ("returns", "keyword"),
     ];
     for (what, expected) in cases {
         let shown = session.hover(&position(text, what, 0));
@@ -213,7 +213,7 @@ fn references_from_a_declaration_are_found_in_other_open_texts() {
     let mut session = open(main);
     assert_eq!(session.client.diagnostics(URI, 1).len(), 1);
     session.client.open(beside, helper);
-    // The module is there now, in the editor.
+    // The module is open in the editor now.
     assert_eq!(session.client.diagnostics(URI, 1), Vec::<Value>::new());
     let params = json!({
         "textDocument": { "uri": beside },

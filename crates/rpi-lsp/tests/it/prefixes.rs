@@ -1,4 +1,4 @@
-//! Nothing that a writer can have on the screen breaks the server: every request at places of broken texts is answered.
+//! Robustness: every request about incomplete or erroneous texts is answered without an error.
 
 use proptest::prelude::*;
 use rpi_testkit::files_below;
@@ -14,7 +14,7 @@ const AT_A_PLACE: &[&str] = &[
     "completion",
 ];
 
-/// Programs of the project, right and wrong ones.
+/// Returns the texts of all programs of the project, valid and erroneous.
 fn programs() -> Vec<String> {
     let folders = ["examples", "stdlib", "tests/ui", "crates/rpi-syntax/tests"];
     let files = folders
@@ -26,7 +26,7 @@ fn programs() -> Vec<String> {
         .collect()
 }
 
-/// Asks everything about a text at a place of it, and waits for its findings: an error in an answer panics.
+/// Sends every request about a text at an offset, and waits for the diagnostics. Panics at an error response.
 fn ask_all(session: &mut Session, text: &str, version: i64, offset: usize) {
     session.client.change(URI, version, json!({ "text": text }));
     let place = position_of(text, offset);

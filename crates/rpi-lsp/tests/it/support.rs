@@ -1,4 +1,4 @@
-//! A session with the server in this process, and places in texts by what stands there.
+//! Session with a server in this process, and positions by text search.
 
 use std::io::BufReader;
 use std::thread::JoinHandle;
@@ -6,16 +6,16 @@ use std::thread::JoinHandle;
 use rpi_testkit::LspClient;
 use serde_json::{Value, json};
 
-/// The address of the text that a session is about.
+/// URI of the main document of a session.
 pub(crate) const URI: &str = "file:///cell/main.rpi";
 
-/// A client, and the thread that serves it.
+/// Client with its server thread.
 pub(crate) struct Session {
     pub(crate) client: LspClient,
     server: JoinHandle<std::io::Result<()>>,
 }
 
-/// Starts a server and a client that are connected.
+/// Starts a server and a connected client.
 pub(crate) fn connect() -> Session {
     let (server_in, client_out) = std::io::pipe().unwrap();
     let (client_in, server_out) = std::io::pipe().unwrap();
@@ -26,7 +26,7 @@ pub(crate) fn connect() -> Session {
     }
 }
 
-/// A session with one text open.
+/// Starts a session with one open document.
 pub(crate) fn open(text: &str) -> Session {
     let mut session = connect();
     session.client.initialize(json!({}));
@@ -35,19 +35,19 @@ pub(crate) fn open(text: &str) -> Session {
 }
 
 impl Session {
-    /// Ends the session as clients should; how the server ended.
+    /// Ends the session with `shutdown` and `exit`. Returns the result of the server.
     pub(crate) fn leave(mut self) -> std::io::Result<()> {
         self.client.leave();
         self.server.join().unwrap()
     }
 
-    /// Goes away without a word.
+    /// Disconnects without `shutdown`. Returns the result of the server.
     pub(crate) fn vanish(self) -> std::io::Result<()> {
         drop(self.client);
         self.server.join().unwrap()
     }
 
-    /// The result of a request about a position.
+    /// Returns the result of a request about a position.
     pub(crate) fn at(&mut self, method: &str, position: &Value) -> Value {
         let params = json!({
             "textDocument": { "uri": URI },
@@ -58,7 +58,7 @@ impl Session {
             .result(&format!("textDocument/{method}"), params)
     }
 
-    /// What is shown where a pointer rests.
+    /// Returns the Markdown text of the hover at a position.
     pub(crate) fn hover(&mut self, position: &Value) -> String {
         let hover = self.at("hover", position);
         hover["contents"]["value"]
@@ -67,7 +67,7 @@ impl Session {
             .to_owned()
     }
 
-    /// The labels of what could be written.
+    /// Returns the labels of the completion items at a position.
     pub(crate) fn labels(&mut self, position: &Value) -> Vec<String> {
         let list = self.at("completion", position);
         let items = list["items"].as_array().cloned().unwrap_or_default();
@@ -76,7 +76,7 @@ impl Session {
     }
 }
 
-/// The position at which the `n`-th occurrence of `what` begins, counted from 0.
+/// Returns the start position of the `n`-th occurrence of `what`, counted from 0.
 pub(crate) fn position(text: &str, what: &str, n: usize) -> Value {
     let (offset, _) = text
         .match_indices(what)
@@ -85,7 +85,7 @@ pub(crate) fn position(text: &str, what: &str, n: usize) -> Value {
     position_of(text, offset)
 }
 
-/// The position of a byte, in UTF-16 units.
+/// Returns the position of a byte offset, in UTF-16 units.
 pub(crate) fn position_of(text: &str, offset: usize) -> Value {
     let before = &text[..offset];
     let line = before.matches('\n').count();
@@ -98,7 +98,7 @@ pub(crate) fn position_of(text: &str, offset: usize) -> Value {
     json!({ "line": line, "character": column })
 }
 
-/// A text with `|` where the cursor is: without it, and the position.
+/// Removes the cursor mark `|` from a text. Returns the text and the position of the cursor.
 pub(crate) fn cursor(marked: &str) -> (String, Value) {
     let offset = marked.find('|').expect("a cursor");
     let text = marked.replacen('|', "", 1);

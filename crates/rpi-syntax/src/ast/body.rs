@@ -1,53 +1,53 @@
-//! What stands in a body: equations, fragments in place, automata.
+//! Bodies: equations, local fragments, automata.
 
 use super::{Access, Clock, Doc, Dotted, Expr, FragmentDecl, Ident, Type};
 use rpi_diag::Span;
 
-/// Variables: `a, b: T when c = d`, as ports, locals, struct fields.
+/// Declaration of variables (ports, locals, struct fields): `a, b: T when c = d`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct VarDecl {
-    /// Doc comment before it.
+    /// Preceding doc comment.
     pub doc: Option<Doc>,
-    /// `const`: fixed at load time (a parameter among the ports, as in Kind 2).
+    /// Whether the port is declared `const`: its value is fixed at load time (Kind 2).
     pub is_const: bool,
-    /// The names, at least one.
+    /// Names, at least one.
     pub names: Vec<Ident>,
-    /// Their type.
+    /// Type of the variables.
     pub ty: Type,
-    /// Their clock.
+    /// Clock of the variables.
     pub clock: Option<Clock>,
-    /// Value where none is given.
+    /// Default value.
     pub default: Option<Expr>,
-    /// All of it.
+    /// Source range.
     pub span: Span,
 }
 
-/// Constants: `a, b: T = e`. Without a type it is inferred from the value, without a value it comes
-/// from outside. Where both are absent a fault has been reported.
+/// Definition of constants: `a, b: T = e`. A missing type is inferred from the value; a constant without a value is
+/// external. If both are missing, an error has been reported.
 #[derive(Clone, PartialEq, Debug)]
 pub struct ConstDef {
-    /// Doc comment before it.
+    /// Preceding doc comment.
     pub doc: Option<Doc>,
-    /// The names, at least one.
+    /// Names, at least one.
     pub names: Vec<Ident>,
-    /// Their type, inferred if absent.
+    /// Type of the constants; inferred if absent.
     pub ty: Option<Type>,
-    /// Their value; absent if it comes from outside.
+    /// Value of the constants; absent if they are external.
     pub value: Option<Expr>,
-    /// All of it.
+    /// Source range.
     pub span: Span,
 }
 
-/// Local declarations and `let ... tel`.
+/// Body: local declarations and `let ... tel`.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Body {
     /// `var` and `const` sections before `let`.
     pub locals: Vec<Locals>,
-    /// What stands between `let` and `tel`.
+    /// Statements between `let` and `tel`.
     pub statements: Vec<Statement>,
 }
 
-/// One section of local declarations.
+/// Section of local declarations.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Locals {
     /// `var x: int; y: bool;`
@@ -56,23 +56,23 @@ pub enum Locals {
     Const(Vec<ConstDef>),
 }
 
-/// One equation, or what else stands in a body.
+/// Statement of a body, such as an equation.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Statement {
-    /// Doc comment before it.
+    /// Preceding doc comment.
     pub doc: Option<Doc>,
-    /// What it is.
+    /// Kind of the statement.
     pub kind: StatementKind,
-    /// All of it, with its `;`.
+    /// Source range, `;` included.
     pub span: Span,
 }
 
-/// The kinds of statements.
+/// Kind of a [`Statement`].
 #[derive(Clone, PartialEq, Debug)]
 pub enum StatementKind {
     /// `x, y = e;`
     Equation(Box<Equation>),
-    /// `f(x);`: a call for its effect; the expression is an [`ExprKind::Call`](super::ExprKind::Call)
+    /// `f(x);`: call for its side effect; the expression is an [`ExprKind::Call`](super::ExprKind::Call)
     Call(Box<Expr>),
     /// `assert e;`, `assume e;`, `guarantee e;`, `check e;`
     Claim(Box<Claim>),
@@ -80,7 +80,7 @@ pub enum StatementKind {
     End(Box<End>),
     /// `export x, y.z;`
     Export(Vec<Dotted>),
-    /// A fragment in place
+    /// Local fragment
     Fragment(Box<FragmentDecl>),
     /// `automaton ... end`
     Automaton(Box<Automaton>),
@@ -88,24 +88,24 @@ pub enum StatementKind {
     Choice(Box<Choice>),
     /// `frame (x) x = 0; let ... tel` (Kind 2)
     Keep(Box<Keep>),
-    /// A statement with a fault; the names that it seems to define
+    /// Statement with an error; the names that it seems to define
     Broken(Vec<Ident>),
 }
 
-/// Equations that hold by conditions.
+/// Block of conditional equations (Kind 2).
 #[derive(Clone, PartialEq, Debug)]
 pub struct Choice {
-    /// How it is written.
+    /// Notation of the block.
     pub word: ChoiceWord,
-    /// The branches in text order, at least one.
+    /// Branches in text order, at least one.
     pub branches: Vec<ChoiceBranch>,
-    /// What holds if no condition does.
+    /// Statements of the `else` branch.
     pub otherwise: Option<Vec<Statement>>,
-    /// What it stands for: an equation for each flow.
+    /// Equivalent equations, one for each flow.
     pub means: Meaning,
 }
 
-/// The ways to write a [`Choice`].
+/// Notation of a [`Choice`].
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum ChoiceWord {
     /// `if c then ... elsif d then ... else ... fi`
@@ -116,155 +116,155 @@ pub enum ChoiceWord {
     Cond,
 }
 
-/// One branch of a [`Choice`].
+/// Branch of a [`Choice`].
 #[derive(Clone, PartialEq, Debug)]
 pub struct ChoiceBranch {
-    /// When it is taken.
+    /// Condition of the branch.
     pub condition: Expr,
-    /// What holds then.
+    /// Statements of the branch.
     pub statements: Vec<Statement>,
 }
 
-/// `frame (names) initial let statements tel`
+/// Frame block, `frame (names) initial let statements tel` (Kind 2).
 #[derive(Clone, PartialEq, Debug)]
 pub struct Keep {
-    /// The flows that keep their values where nothing in the block defines them.
+    /// Flows that keep their values if no equation of the block defines them.
     pub names: Vec<Ident>,
-    /// Their values in the first cycle.
+    /// Equations of the values in the first cycle.
     pub initial: Vec<Statement>,
-    /// What defines them.
+    /// Statements that define the flows.
     pub statements: Vec<Statement>,
-    /// What it stands for: an equation for each flow.
+    /// Equivalent equations, one for each flow.
     pub means: Meaning,
 }
 
-/// The equations that a block stands for.
+/// Result of desugaring a block: equivalent equations, and errors.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Meaning {
-    /// The equations with their places.
+    /// Equations with their source ranges.
     pub equations: Vec<(Equation, Span)>,
-    /// What is wrong with the block.
+    /// Errors in the block.
     pub faults: Vec<BlockFault>,
 }
 
-/// What can be wrong with a block of equations.
+/// Error in a block of equations.
 #[derive(Clone, PartialEq, Debug)]
 pub enum BlockFault {
-    /// A flow without equation in some branch: the flow as it is defined in another, and the branch.
+    /// A branch does not define a flow: the flow as defined in another branch, and the place of the branch.
     MissingIn(Ident, Span),
-    /// Something else than an equation or a block in it, in words.
+    /// A statement is neither an equation nor a block: its place, and a description.
     NoEquation(Span, &'static str),
-    /// An equation for a flow that the `frame` does not name.
+    /// An equation defines a flow that the `frame` does not list.
     NotNamed(Ident),
-    /// Flows that a branch defines twice: again, and first.
+    /// A branch defines a flow twice: the second definition, and the place of the first.
     Twice(Ident, Span),
 }
 
-/// `x, arm.tcp, a[2] = rhs`
+/// Equation: `x, arm.tcp, a[2] = value`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Equation {
-    /// What is defined; empty in `() = f(x)`.
+    /// Left side; empty in `() = f(x)`.
     pub targets: Vec<Target>,
-    /// By what.
+    /// Right side.
     pub value: Expr,
 }
 
-/// A flow, or a part of one, that an equation defines.
+/// Left side of an equation: a flow, or a part of one.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Target {
-    /// The flow or device.
+    /// Flow or device.
     pub name: Ident,
-    /// The part of it.
+    /// Path to the part; empty for the whole flow.
     pub path: Vec<Access>,
-    /// All of it.
+    /// Source range.
     pub span: Span,
 }
 
-/// A condition that is claimed to hold in every cycle.
+/// Condition that is claimed to hold in every cycle: assertion, property, or clause of a contract.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Claim {
-    /// By whom it must hold.
+    /// Kind of the claim.
     pub kind: ClaimKind,
-    /// What it is about, in words: `assume "sensor range" x < 5.0`.
+    /// Label: `assume "sensor range" x < 5.0`.
     pub label: Option<Ident>,
-    /// The condition.
+    /// Claimed condition.
     pub condition: Expr,
-    /// `provided c`: when it has to hold (Kind 2).
+    /// `provided c`: condition under which the claim must hold (Kind 2).
     pub provided: Option<Expr>,
 }
 
-/// The kinds of claims.
+/// Kind of a [`Claim`].
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum ClaimKind {
-    /// In a body: holds, by the writer's word.
+    /// `assert` in a body: assumed to hold.
     Assert,
-    /// In a body: to be shown (Kind 2).
+    /// `check` in a body: to be proved (Kind 2).
     Check,
-    /// The same as a remark for tools: `--%PROPERTY x;`.
+    /// `--%PROPERTY x;`: a check in a comment (Kind 2).
     Property,
-    /// In a contract: the caller sees to it.
+    /// `assume` in a contract: the caller must ensure it.
     Assume,
-    /// In a contract: the body sees to it.
+    /// `guarantee` in a contract: the body must ensure it.
     Guarantee,
 }
 
-/// `finish result when condition`
+/// Result of a command: `finish result when condition`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct End {
-    /// In which way the command ends.
+    /// How the command ends.
     pub kind: EndKind,
-    /// The name of the result.
+    /// Name of the result.
     pub result: Ident,
-    /// When.
+    /// Condition under which the command ends.
     pub condition: Expr,
 }
 
-/// In which way a command ends.
+/// How a command ends.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum EndKind {
-    /// `finish`: everything at rest.
+    /// `finish`: with all motion at rest.
     Finish,
-    /// `yield`: may be in motion, into a successor.
+    /// `yield`: possibly in motion, for a takeover by the successor.
     Yield,
-    /// `fail`: an error.
+    /// `fail`: with an error.
     Fail,
 }
 
-/// `automaton states end`
+/// Automaton (state machine): `automaton states end`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Automaton {
-    /// The states in text order, at least one.
+    /// States in text order, at least one.
     pub states: Vec<State>,
 }
 
-/// One state of an automaton.
+/// State of an automaton.
 #[derive(Clone, PartialEq, Debug)]
 pub struct State {
-    /// Doc comment before it.
+    /// Preceding doc comment.
     pub doc: Option<Doc>,
-    /// Whether the automaton starts here.
+    /// Whether it is the initial state.
     pub initial: bool,
-    /// Its name.
+    /// Name of the state.
     pub name: Ident,
-    /// Strong transitions, decided before the state runs in a cycle.
+    /// Strong transitions, evaluated in each cycle before the body.
     pub unless: Vec<Transition>,
-    /// What runs in it.
+    /// Equations that are active in the state.
     pub body: Body,
-    /// Weak transitions, which act in the next cycle.
+    /// Weak transitions, which take effect in the next cycle.
     pub until: Vec<Transition>,
-    /// All of it.
+    /// Source range.
     pub span: Span,
 }
 
-/// `condition then target`, one alternative of an `unless` or `until`.
+/// Transition, one alternative of an `unless` or `until`: `condition then target`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Transition {
-    /// When; absent for `otherwise`.
+    /// Condition; absent for `otherwise`.
     pub condition: Option<Expr>,
-    /// `continue` instead of `then`: the target resumes its state.
+    /// Whether it is written with `continue` instead of `then`: the target state resumes with its previous memory.
     pub resumes: bool,
-    /// The next state.
+    /// Next state.
     pub target: Ident,
-    /// All of it.
+    /// Source range.
     pub span: Span,
 }

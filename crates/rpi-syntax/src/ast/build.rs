@@ -1,13 +1,12 @@
-//! Short ways to make nodes that have no text, for importers and generators.
+//! Constructors of nodes without source text, for importers and generators.
 //!
-//! All spans are [`Span::NONE`]. Parentheses need not be made: the printer sets what the levels of
-//! the operators ask for.
+//! All spans are [`Span::NONE`]. Parenthesis nodes are not needed: the printer adds parentheses by operator precedence.
 
 use super::*;
 use crate::ops::{BinaryOp, UnaryOp};
 
 impl Ident {
-    /// A name without a place.
+    /// Creates a name without a source range.
     pub fn synthetic(name: impl Into<Name>) -> Ident {
         Ident {
             name: name.into(),
@@ -17,7 +16,7 @@ impl Ident {
 }
 
 impl Dotted {
-    /// `a.b.c` without a place, of its parts.
+    /// Creates the path `a.b.c` from its parts.
     pub fn synthetic<N: Into<Name>>(parts: impl IntoIterator<Item = N>) -> Dotted {
         Dotted {
             parts: parts.into_iter().map(Ident::synthetic).collect(),
@@ -27,7 +26,7 @@ impl Dotted {
 }
 
 impl Unit {
-    /// A unit of factors and powers, `[("m", 1), ("s", -2)]`.
+    /// Creates a unit from its factors and their exponents: `[("m", 1), ("s", -2)]`.
     pub fn synthetic<'a>(factors: impl IntoIterator<Item = (&'a str, i32)>) -> Unit {
         let factor = |(unit, power): (&str, i32)| UnitFactor {
             unit: Ident::synthetic(unit),
@@ -41,9 +40,9 @@ impl Unit {
 }
 
 impl Number {
-    /// A real number that is at least 0 and finite, in the shortest form that reads back.
+    /// Creates the shortest real literal that parses back to the value.
     ///
-    /// [`None`] for what the language has no literal for: a sign, infinity, NaN.
+    /// Returns [`None`] for values without a literal: negative (also -0), infinite or NaN.
     pub fn from_real(value: f64) -> Option<Number> {
         let writable = value.is_finite() && value.is_sign_positive();
         writable.then(|| Number {
@@ -51,7 +50,7 @@ impl Number {
         })
     }
 
-    /// A natural number.
+    /// Creates a decimal integer literal.
     pub fn from_int(value: u64) -> Number {
         Number {
             text: value.to_string().into(),
@@ -69,12 +68,12 @@ impl From<ExprKind> for Expr {
 }
 
 impl Expr {
-    /// `true`, `false`
+    /// Creates `true` or `false`.
     pub fn bool(value: bool) -> Expr {
         ExprKind::Bool(value).into()
     }
 
-    /// An integer; a negative one is the opposite of a literal.
+    /// Creates an integer; a negative value is a negated literal.
     pub fn int(value: i64) -> Expr {
         let literal = ExprKind::Number(Number::from_int(value.unsigned_abs())).into();
         match value < 0 {
@@ -83,8 +82,8 @@ impl Expr {
         }
     }
 
-    /// A finite real; a negative one, -0 included, is the opposite of a literal. [`None`] for
-    /// infinities and NaN, which have no literal.
+    /// Creates a real; a negative value (also -0) is a negated literal. Returns [`None`] for infinities and NaN, which
+    /// have no literal.
     pub fn real(value: f64) -> Option<Expr> {
         let literal: Expr = ExprKind::Number(Number::from_real(value.abs())?).into();
         Some(match value.is_sign_negative() {
@@ -93,35 +92,35 @@ impl Expr {
         })
     }
 
-    /// `"text"`
+    /// Creates the string literal `"text"`.
     pub fn str(text: impl Into<Name>) -> Expr {
         ExprKind::Str(text.into()).into()
     }
 
-    /// `x`, `Core::Pi`
+    /// Creates a reference to a name: `x`, `Core::Pi`.
     pub fn name(name: impl Into<Name>) -> Expr {
         ExprKind::Name(name.into()).into()
     }
 
-    /// `self.field`
+    /// Creates the field access `self.field`.
     #[must_use]
     pub fn field(self, field: impl Into<Name>) -> Expr {
         let field = Ident::synthetic(field);
         ExprKind::Field(Box::new(Field { base: self, field })).into()
     }
 
-    /// `self[index]`
+    /// Creates the array access `self[index]`.
     #[must_use]
     pub fn index(self, index: Expr) -> Expr {
         ExprKind::Index(Box::new(Index { base: self, index })).into()
     }
 
-    /// `op operand`
+    /// Creates the unary operation `op operand`.
     pub fn unary(op: UnaryOp, operand: Expr) -> Expr {
         ExprKind::Unary(op, Box::new(operand)).into()
     }
 
-    /// `lhs op rhs`
+    /// Creates the binary operation `lhs op rhs`.
     pub fn binary(op: BinaryOp, lhs: Expr, rhs: Expr) -> Expr {
         ExprKind::Binary(Box::new(Binary {
             op,
@@ -132,7 +131,7 @@ impl Expr {
         .into()
     }
 
-    /// `if condition then yes else no`
+    /// Creates `if condition then yes else no`.
     pub fn cond(condition: Expr, yes: Expr, no: Expr) -> Expr {
         ExprKind::If(Box::new(If {
             is_static: false,
@@ -143,7 +142,7 @@ impl Expr {
         .into()
     }
 
-    /// `callee(args)`
+    /// Creates the call `callee(args)`.
     pub fn call(callee: Callee, args: Vec<Arg>) -> Expr {
         ExprKind::Call(Box::new(Call {
             callee,
@@ -155,7 +154,7 @@ impl Expr {
 }
 
 impl Callee {
-    /// `name<<statics>>`
+    /// Creates `name<<statics>>`.
     pub fn synthetic(name: impl Into<Name>, statics: Vec<StaticArg>) -> Callee {
         Callee {
             name: Ident::synthetic(name),
@@ -166,12 +165,12 @@ impl Callee {
 }
 
 impl Arg {
-    /// `x`
+    /// Creates the positional argument `value`.
     pub fn positional(value: Expr) -> Arg {
         Arg { name: None, value }
     }
 
-    /// `name: x`
+    /// Creates the named argument `name: value`.
     pub fn named(name: impl Into<Name>, value: Expr) -> Arg {
         Arg {
             name: Some(Ident::synthetic(name)),
@@ -181,7 +180,7 @@ impl Arg {
 }
 
 impl StaticArg {
-    /// `name: x` between `<<` and `>>`
+    /// Creates the named static argument `name: value`.
     pub fn named(name: impl Into<Name>, value: Expr) -> StaticArg {
         StaticArg {
             name: Some(Ident::synthetic(name)),
@@ -201,7 +200,7 @@ impl From<TypeKind> for Type {
 }
 
 impl Type {
-    /// A type by its name.
+    /// Creates the named type `name`.
     pub fn named(name: impl Into<Name>) -> Type {
         TypeKind::Named(Box::new(NamedType {
             name: Ident::synthetic(name),
@@ -211,7 +210,7 @@ impl Type {
         .into()
     }
 
-    /// `self^size`
+    /// Creates the array type `self^size`.
     #[must_use]
     pub fn array(self, size: Expr) -> Type {
         TypeKind::Array(Box::new(ArrayType {
@@ -221,7 +220,7 @@ impl Type {
         .into()
     }
 
-    /// `self?`
+    /// Creates the optional type `self?`.
     #[must_use]
     pub fn optional(self) -> Type {
         TypeKind::Optional(Box::new(self)).into()
@@ -229,7 +228,7 @@ impl Type {
 }
 
 impl VarDecl {
-    /// `name: ty`
+    /// Creates the declaration `name: ty`.
     pub fn synthetic(name: impl Into<Name>, ty: Type) -> VarDecl {
         VarDecl {
             doc: None,
@@ -244,7 +243,7 @@ impl VarDecl {
 }
 
 impl Target {
-    /// `name`
+    /// Creates the target `name`.
     pub fn synthetic(name: impl Into<Name>) -> Target {
         Target {
             name: Ident::synthetic(name),
@@ -253,7 +252,7 @@ impl Target {
         }
     }
 
-    /// `self.field`
+    /// Creates the target `self.field`.
     #[must_use]
     pub fn field(mut self, field: impl Into<Name>) -> Target {
         self.path.push(Access::Field(Ident::synthetic(field)));
@@ -272,7 +271,7 @@ impl From<StatementKind> for Statement {
 }
 
 impl Statement {
-    /// `target = value;`
+    /// Creates the equation `target = value;`.
     pub fn equation(target: Target, value: Expr) -> Statement {
         let targets = vec![target];
         StatementKind::Equation(Box::new(Equation { targets, value })).into()

@@ -1,10 +1,10 @@
-//! What an expression is made of, for tools that look through expressions without minding what they mean.
+//! Direct subexpressions of an expression, for generic traversals.
 
 use super::{Access, Activation, Call, Expr, ExprKind, Slice};
 
 impl Expr {
-    /// The expressions directly inside, in text order but for conditions of activation, which come before the arguments.
-    /// Static arguments are left out: they are no flows.
+    /// Returns the direct subexpressions in text order, but conditions of activation come before the arguments of a
+    /// call. Static arguments are left out, as they are not flows.
     pub fn children(&self) -> Vec<&Expr> {
         match &self.kind {
             ExprKind::Bool(_)
@@ -56,6 +56,7 @@ fn bounds(slice: &Slice) -> Vec<&Expr> {
         .collect()
 }
 
+/// Returns the indices and slice bounds of a path.
 pub(super) fn of_path(path: &[Access]) -> Vec<&Expr> {
     let step = |access| match access {
         &Access::Field(_) => Vec::new(),

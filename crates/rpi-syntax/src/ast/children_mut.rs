@@ -1,9 +1,9 @@
-//! Changing an expression from the inside.
+//! Mutable access to the subexpressions of an expression.
 
 use super::{Access, Activation, Call, Expr, ExprKind, Slice};
 
 impl Expr {
-    /// Calls `change` with the expression and all inside, innermost first.
+    /// Calls `change` with every subexpression and the expression itself, innermost first.
     pub(crate) fn each_mut(&mut self, change: &mut impl FnMut(&mut Expr)) {
         for part in self.children_mut() {
             part.each_mut(change);
@@ -11,7 +11,7 @@ impl Expr {
         change(self);
     }
 
-    /// The expressions directly inside.
+    /// Returns the direct subexpressions.
     pub(crate) fn children_mut(&mut self) -> Vec<&mut Expr> {
         match &mut self.kind {
             ExprKind::Bool(_)

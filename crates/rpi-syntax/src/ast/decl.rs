@@ -5,18 +5,18 @@ use super::{
 };
 use rpi_diag::Span;
 
-/// A top-level declaration.
+/// Top-level declaration.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Item {
-    /// Doc comment before it.
+    /// Preceding doc comment.
     pub doc: Option<Doc>,
-    /// What it is.
+    /// Kind of the declaration.
     pub kind: ItemKind,
-    /// All of it.
+    /// Source range.
     pub span: Span,
 }
 
-/// The kinds of declarations.
+/// Kind of an [`Item`].
 #[derive(Clone, PartialEq, Debug)]
 pub enum ItemKind {
     /// `use motion, logic;`
@@ -43,20 +43,20 @@ pub enum ItemKind {
     Task(Box<TaskDecl>),
     /// `test "name" let ... tel`
     Test(Box<TestDecl>),
-    /// A declaration with a fault that left nothing to check; the names that it seems to declare
+    /// Declaration with an error that left nothing to check; the names that it seems to declare
     Broken(Vec<Declared>),
 }
 
-/// A name that a broken declaration seems to declare.
+/// Name that a declaration with an error seems to declare.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Declared {
-    /// What kind of thing, by the word that begins the declaration.
+    /// Kind of the declared entity, by the keyword of the declaration.
     pub kind: DeclaredKind,
-    /// The name.
+    /// Declared name.
     pub name: Ident,
 }
 
-/// Kinds of [`Declared`] names.
+/// Kind of a [`Declared`] name.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum DeclaredKind {
     /// `const`
@@ -75,46 +75,46 @@ pub enum DeclaredKind {
     Task,
 }
 
-/// `T = definition`; without one the type comes from outside.
+/// Type definition: `T = definition`. Without a definition the type is external.
 #[derive(Clone, PartialEq, Debug)]
 pub struct TypeDef {
-    /// Doc comment before it.
+    /// Preceding doc comment.
     pub doc: Option<Doc>,
-    /// The name declared.
+    /// Declared name.
     pub name: Ident,
-    /// `<T; U>` (Kind 2)
+    /// Type parameters: `<T; U>` (Kind 2).
     pub statics: Vec<StaticParam>,
-    /// What it stands for.
+    /// Defining type; absent if the type is external.
     pub ty: Option<Type>,
-    /// All of it.
+    /// Source range.
     pub span: Span,
 }
 
-/// Name, static parameters and ports of what can be called.
+/// Signature of a callable: name, static parameters and ports.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Signature {
-    /// The name declared; of a primitive it may be qualified.
+    /// Declared name; may be qualified for a primitive.
     pub name: Ident,
-    /// `<<...>>`
+    /// Static parameters: `<<...>>`.
     pub statics: Vec<StaticParam>,
-    /// In-ports; [`None`] where they are not written and therefore inferred.
+    /// In-ports; [`None`] if they are not written and therefore inferred.
     pub inputs: Option<Vec<VarDecl>>,
-    /// Out-ports; [`None`] where they are not written.
+    /// Out-ports; [`None`] if they are not written.
     pub outputs: Option<Vec<VarDecl>>,
 }
 
-/// One declaration between `<<` and `>>`.
+/// Static parameter, declared between `<<` and `>>`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct StaticParam {
-    /// Doc comment before it.
+    /// Preceding doc comment.
     pub doc: Option<Doc>,
-    /// What it is.
+    /// Kind of the parameter.
     pub kind: StaticParamKind,
-    /// All of it.
+    /// Source range.
     pub span: Span,
 }
 
-/// What a static parameter can be.
+/// Kind of a [`StaticParam`].
 #[derive(Clone, PartialEq, Debug)]
 pub enum StaticParamKind {
     /// `type t`, `type T: number`
@@ -125,51 +125,51 @@ pub enum StaticParamKind {
     Node(NodeKind, Box<Signature>),
 }
 
-/// Whether a callable may have state.
+/// Kind of a node-like declaration.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum NodeKind {
-    /// It may.
+    /// `node`: may have state.
     Node,
-    /// It has none.
+    /// `function`: has no state.
     Function,
-    /// It is a contract for others to import: what it claims about all its ports (Kind 2).
+    /// `contract`: contract over its ports, for nodes to import (Kind 2).
     Contract,
 }
 
-/// `node f (x: int) returns (y: int) let ... tel`
+/// Declaration of a node, function or contract: `node f (x: int) returns (y: int) let ... tel`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct NodeDecl {
-    /// `node` or `function`.
+    /// Kind of the declaration.
     pub kind: NodeKind,
-    /// What stands before `node` or `function`.
+    /// Modifier before `node` or `function`.
     pub modifier: Modifier,
-    /// Name, parameters, ports. Without ports only in `node f = g<<3>>;`.
+    /// Name, static parameters and ports. The ports are absent only in `node f = g<<3>>;`.
     pub signature: Signature,
-    /// Its `const` in-ports that decide about sizes (Kind 2): static parameters in all but their place.
+    /// `const` in-ports that determine array sizes (Kind 2). They act as static parameters.
     pub sizes: Vec<ConstDef>,
-    /// `con ... noc`
+    /// Contract: `con ... noc`.
     pub contract: Option<Contract>,
-    /// What it does.
+    /// Definition: body, alias or external.
     pub definition: NodeDef,
-    /// How it is said that it is defined outside; of no meaning for other definitions.
+    /// Notation of an external definition; meaningless for other definitions.
     pub outside: Outside,
 }
 
-/// What may stand before `node` or `function`.
+/// Modifier before `node` or `function`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum Modifier {
-    /// Nothing.
+    /// No modifier.
     #[default]
     None,
-    /// `unsafe`: it may have side effects (Lustre V6).
+    /// `unsafe`: the node may have side effects (Lustre V6).
     Unsafe,
-    /// `opaque`: callers know its contract alone (Kind 2).
+    /// `opaque`: callers see only the contract (Kind 2).
     Opaque,
-    /// `transparent`: callers look into its body (Kind 2).
+    /// `transparent`: callers see the body (Kind 2).
     Transparent,
 }
 
-/// The ways to say that a node is defined outside; they mean the same.
+/// Notation of an externally defined node. All notations are equivalent.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum Outside {
     /// `extern node f ...;`
@@ -182,7 +182,7 @@ pub enum Outside {
 }
 
 impl Outside {
-    /// The word for it, if it takes one.
+    /// Returns the keyword of the notation, if it has one.
     #[must_use]
     pub fn word(self) -> Option<&'static str> {
         match self {
@@ -193,174 +193,174 @@ impl Outside {
     }
 }
 
-/// How a node is defined.
+/// Definition of a node.
 #[derive(Clone, PartialEq, Debug)]
 pub enum NodeDef {
     /// `let ... tel`
     Body(Body),
     /// `= g<<3>>`
     Alias(Callee),
-    /// `extern`, `imported`, or no body: defined outside.
+    /// `extern`, `imported`, or no body: defined externally.
     Extern,
 }
 
-/// `con assume ...; guarantee ...; noc`
+/// Contract: `con assume ...; guarantee ...; noc`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Contract {
-    /// Names for use in it: `var x: int = e;`, `const n = 3;`.
+    /// Ghost variables and constants: `var x: int = e;`, `const n = 3;`.
     pub locals: Vec<Locals>,
-    /// Those that get their values together: `var x, y: int = f(z);`.
+    /// Ghost variables defined by a common equation: `var x, y: int = f(z);`.
     pub together: Vec<Together>,
-    /// What holds always.
+    /// Assumptions and guarantees of every mode.
     pub claims: Vec<Claim>,
-    /// What holds in a mode (Kind 2).
+    /// Modes (Kind 2).
     pub modes: Vec<ContractMode>,
-    /// Contracts that are taken up.
+    /// Imported contracts.
     pub imports: Vec<ContractImport>,
-    /// All of it.
+    /// Source range.
     pub span: Span,
 }
 
-/// `var x: int, y: bool = value;`
+/// Ghost variables of a contract with a common equation: `var x: int, y: bool = value;`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Together {
-    /// What is declared.
+    /// Declared variables.
     pub vars: Vec<VarDecl>,
-    /// The same as what is defined.
+    /// Equation that defines the variables.
     pub equation: super::Equation,
-    /// All of it.
+    /// Source range.
     pub span: Span,
 }
 
-/// `import c(x, y) returns (z);`
+/// Import of a contract: `import c(x, y) returns (z);`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct ContractImport {
-    /// The contract, applied to all of them: what goes in, then what comes out.
+    /// Call of the contract with the inputs, followed by the outputs, as arguments.
     pub call: Expr,
-    /// How many of its arguments go in.
+    /// Number of arguments that are inputs.
     pub inputs: usize,
 }
 
-/// `mode m (require e; ensure e;);`
+/// Mode of a contract: `mode m (require e; ensure e;);`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct ContractMode {
-    /// The name of the mode.
+    /// Name of the mode.
     pub name: Ident,
-    /// When the contract is in this mode.
+    /// Conditions under which the contract is in this mode.
     pub requires: Vec<Claim>,
-    /// What holds then.
+    /// Guarantees in this mode.
     pub ensures: Vec<Claim>,
 }
 
-/// A fragment, declared or in place.
+/// Fragment, at top level or local to a body.
 #[derive(Clone, PartialEq, Debug)]
 pub struct FragmentDecl {
-    /// Name, parameters, ports; in place the ports may be left out.
+    /// Name, static parameters and ports. The ports of a local fragment may be left out.
     pub signature: Signature,
-    /// `when c restart`; absent: active whenever its parent is.
+    /// Activation: `when c restart`. If absent, the fragment is active whenever its parent is.
     pub when: Option<FragmentWhen>,
-    /// `budget 40[us]`
+    /// Execution time budget per cycle: `budget 40[us]`.
     pub budget: Option<Expr>,
-    /// `con ... noc`
+    /// Contract: `con ... noc`.
     pub contract: Option<Contract>,
-    /// What it does.
+    /// Body.
     pub body: Body,
 }
 
-/// `when condition restart`
+/// Activation of a fragment: `when condition restart`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct FragmentWhen {
-    /// When the fragment is active.
+    /// Condition under which the fragment is active.
     pub condition: Expr,
-    /// Whether it starts afresh when it is activated again.
+    /// Whether each activation resets the fragment to its initial state.
     pub restart: bool,
 }
 
-/// `primitive Core::Clock <<...>> (...) returns (...) budget 1[us];`
+/// Declaration of a primitive: `primitive Core::Clock <<...>> (...) returns (...) budget 1[us];`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct PrimitiveDecl {
-    /// Name, parameters, ports.
+    /// Name, static parameters and ports.
     pub signature: Signature,
-    /// Its work.
+    /// Execution time per cycle.
     pub budget: Option<Expr>,
 }
 
-/// `device Arm <<n: int>> actuator ...; sensor ...; status ...;`
+/// Declaration of a device type: `device Arm <<n: int>> actuator ...; sensor ...; status ...;`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct DeviceDecl {
-    /// The name declared.
+    /// Declared name.
     pub name: Ident,
-    /// `<<...>>`
+    /// Static parameters: `<<...>>`.
     pub statics: Vec<StaticParam>,
-    /// Its ports, grouped as written.
+    /// Port sections in text order.
     pub sections: Vec<DeviceSection>,
 }
 
-/// The ports after one of `actuator`, `sensor`, `status`.
+/// Port section of a device type, after `actuator`, `sensor` or `status`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct DeviceSection {
-    /// Which of the three.
+    /// Kind of the ports.
     pub kind: PortKind,
-    /// Its ports, at least one.
+    /// Ports, at least one.
     pub ports: Vec<DevicePort>,
-    /// All of it.
+    /// Source range.
     pub span: Span,
 }
 
-/// What a device's port is for.
+/// Kind of a port of a device.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum PortKind {
-    /// What a command writes.
+    /// `actuator`: written by a command.
     Actuator,
-    /// What a command reads.
+    /// `sensor`: read by a command.
     Sensor,
-    /// What it reads about the device itself.
+    /// `status`: status of the device, read by a command.
     Status,
 }
 
-/// One or more ports that `|` makes alternatives of each other.
+/// Port of a device, or several ports separated by `|` that are alternatives.
 #[derive(Clone, PartialEq, Debug)]
 pub struct DevicePort {
-    /// The alternatives, at least one; more than one only for actuators.
+    /// Alternatives, at least one; more than one only for actuators.
     pub alternatives: Vec<VarDecl>,
-    /// All of it.
+    /// Source range.
     pub span: Span,
 }
 
-/// `frame a, b in c = pose;`
+/// Declaration of coordinate frames: `frame a, b in c = pose;`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct FrameDecl {
-    /// The names declared, at least one.
+    /// Declared names, at least one.
     pub names: Vec<Ident>,
-    /// The frame that they are placed in.
+    /// Parent frame.
     pub parent: Option<Dotted>,
-    /// Where in it, a pose; absent if it is not fixed.
+    /// Pose in the parent frame; absent if it is not fixed.
     pub pose: Option<Expr>,
 }
 
-/// `command C (params) given (ports) let ... tel`
+/// Declaration of a command: `command C (params) given (ports) let ... tel`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct CommandDecl {
-    /// The name declared.
+    /// Declared name.
     pub name: Ident,
-    /// `<<...>>`
+    /// Static parameters: `<<...>>`.
     pub statics: Vec<StaticParam>,
-    /// Devices and values, fixed at load time.
+    /// Parameters: devices, and values fixed at load time.
     pub params: Vec<VarDecl>,
-    /// Values taken over from the predecessor.
+    /// `given` ports: values taken over from the predecessor.
     pub given: Vec<VarDecl>,
-    /// `budget 40[us]`
+    /// Execution time budget per cycle: `budget 40[us]`.
     pub budget: Option<Expr>,
-    /// `con ... noc`
+    /// Contract: `con ... noc`.
     pub contract: Option<Contract>,
-    /// The root fragment.
+    /// Body: the root fragment.
     pub body: Body,
 }
 
-/// `test "name" let ... tel`
+/// Declaration of a test: `test "name" let ... tel`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct TestDecl {
-    /// What it shows, in words.
+    /// Title of the test.
     pub title: Ident,
     /// Stimuli and expectations.
     pub body: Body,

@@ -4,16 +4,16 @@ use super::{Clock, Ident, Name, Number, Type, Unit, VarDecl};
 use crate::ops::{BinaryOp, UnaryOp};
 use rpi_diag::Span;
 
-/// An expression.
+/// Expression.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Expr {
-    /// What it is.
+    /// Kind of the expression.
     pub kind: ExprKind,
-    /// All of it.
+    /// Source range.
     pub span: Span,
 }
 
-/// The kinds of expressions. Kept at 24 bytes: what is larger is boxed.
+/// Kind of an [`Expr`]. The size is kept at 24 bytes: larger contents are boxed.
 #[derive(Clone, PartialEq, Debug)]
 pub enum ExprKind {
     /// `true`, `false`
@@ -42,13 +42,13 @@ pub enum ExprKind {
     When(Box<When>),
     /// `if c then x else y`, `with c then x else y`
     If(Box<If>),
-    /// `f<<n: 3>>(x, y: z)`, also by `activate` and `restart`
+    /// `f<<n: 3>>(x, y: z)`, also with `activate` and `restart`
     Call(Box<Call>),
     /// `#(a, b, c)`, `nor(a, b, c)`
     Among(Among, Box<[Expr]>),
     /// `merge c (A -> x) (B -> y)`
     Merge(Box<Merge>),
-    /// `(x)`: kept, so that a reader's parentheses survive formatting
+    /// `(x)`: kept, so that formatting preserves redundant parentheses
     Paren(Box<Expr>),
     /// `()`, `(x, y)`: none or at least two elements
     Tuple(Box<[Expr]>),
@@ -71,7 +71,7 @@ pub enum ExprKind {
 }
 
 impl Expr {
-    /// The expression without the parentheses around it.
+    /// Returns the expression without enclosing parentheses.
     pub fn unparen(&self) -> &Expr {
         let mut expr = self;
         while let ExprKind::Paren(inner) = &expr.kind {
@@ -80,7 +80,7 @@ impl Expr {
         expr
     }
 
-    /// The name, if the expression is nothing but a name.
+    /// Returns the name if the expression is a plain reference to a name.
     pub fn as_name(&self) -> Option<&Name> {
         match &self.kind {
             ExprKind::Name(name) => Some(name),
@@ -89,70 +89,70 @@ impl Expr {
     }
 }
 
-/// `250[mm/s]`
+/// Number with a unit: `250[mm/s]`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Quantity {
-    /// The number before the unit.
+    /// Number before the unit.
     pub number: Number,
-    /// The unit that it counts.
+    /// Unit of measure.
     pub unit: Unit,
 }
 
-/// `base.field`
+/// Field access: `base.field`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Field {
-    /// What has the field.
+    /// Struct, device or call that has the field.
     pub base: Expr,
-    /// The field, port or result.
+    /// Name of the field, port or result.
     pub field: Ident,
 }
 
-/// `base[index]`
+/// Array access: `base[index]`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Index {
-    /// The array.
+    /// Array.
     pub base: Expr,
-    /// Which element, from 0.
+    /// Index of the element, from 0.
     pub index: Expr,
 }
 
-/// `base[from..to step s]`
+/// Slice of an array: `base[from..to step s]`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct SliceOf {
-    /// The array.
+    /// Array.
     pub base: Expr,
-    /// Which elements.
+    /// Selected elements.
     pub slice: Slice,
 }
 
-/// `base[high:low]`, both ends included.
+/// Bit range of a machine integer: `base[high:low]`, both ends included (Kind 2).
 #[derive(Clone, PartialEq, Debug)]
 pub struct Bits {
-    /// The machine integer.
+    /// Machine integer.
     pub base: Expr,
-    /// The highest bit that is taken.
+    /// Highest selected bit.
     pub high: Expr,
-    /// The lowest.
+    /// Lowest selected bit.
     pub low: Expr,
 }
 
-/// `from..to step s`, both ends included.
+/// Bounds of a slice: `from..to step s`, both ends included.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Slice {
-    /// First element.
+    /// Index of the first element.
     pub from: Expr,
-    /// Last element.
+    /// Index of the last element.
     pub to: Expr,
-    /// Distance, 1 if absent.
+    /// Step between indices; 1 if absent.
     pub step: Option<Expr>,
 }
 
-/// `lhs op rhs`
+/// Binary operation: `lhs op rhs`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Binary {
-    /// The operator.
+    /// Operator.
     pub op: BinaryOp,
-    /// Where the operator stands.
+    /// Source range of the operator.
     pub op_span: Span,
     /// Left operand.
     pub lhs: Expr,
@@ -160,105 +160,107 @@ pub struct Binary {
     pub rhs: Expr,
 }
 
-/// `value when clock`
+/// Sampled expression: `value when clock`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct When {
-    /// What is sampled.
+    /// Sampled value.
     pub value: Expr,
-    /// When.
+    /// Clock of the samples.
     pub clock: Clock,
 }
 
-/// `if condition then yes else no`
+/// Conditional expression: `if condition then yes else no`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct If {
-    /// `with` instead of `if`: decided at compile time, the other branch is not elaborated.
+    /// Whether it is written `with` instead of `if`: the condition is evaluated at compile time, and the other branch
+    /// is not elaborated.
     pub is_static: bool,
-    /// The condition.
+    /// Condition.
     pub condition: Expr,
-    /// Value if it holds.
+    /// Value if the condition is true.
     pub yes: Expr,
-    /// Value if it does not.
+    /// Value if the condition is false.
     pub no: Expr,
 }
 
-/// A call of a node, function, fragment, primitive or predeclared operator.
+/// Call of a node, function, fragment, primitive or predeclared operator.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Call {
-    /// What is called.
+    /// Called unit.
     pub callee: Callee,
-    /// When it runs.
+    /// Condition under which the callee runs.
     pub activation: Activation,
-    /// Its arguments.
+    /// Arguments.
     pub args: Vec<Arg>,
 }
 
-/// `f`, `Core::Clock<<Increment: 1.0>>`
+/// Callee of a call, or a node passed as a static argument: `f`, `Core::Clock<<Increment: 1.0>>`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Callee {
-    /// What is called or passed.
+    /// Name of the called or passed unit.
     pub name: Ident,
-    /// Its static arguments.
+    /// Static arguments.
     pub statics: Vec<StaticArg>,
-    /// Name and static arguments.
+    /// Source range of name and static arguments.
     pub span: Span,
 }
 
-/// When the callee of a [`Call`] runs.
+/// Condition under which the callee of a [`Call`] runs.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Activation {
-    /// `f(x)`: whenever the call is reached.
+    /// `f(x)`: whenever the call is active.
     Always,
-    /// `(activate f every c initial default d)(x)`: when `every` holds; `default` before the first time.
+    /// `(activate f every c initial default d)(x)`: if `every` holds. The result is `default` before the first
+    /// activation.
     Activate {
-        /// The condition.
+        /// Condition.
         every: Expr,
-        /// `restart every e`: the state starts afresh when this holds.
+        /// `restart every e`: condition that resets the callee.
         restart: Option<Expr>,
-        /// The value before the first activation.
+        /// Value before the first activation.
         default: Option<Expr>,
     },
-    /// `(restart f every c)(x)`: always, afresh when `every` holds.
+    /// `(restart f every c)(x)`: always. The callee is reset if `every` holds.
     Restart {
-        /// The condition.
+        /// Condition.
         every: Expr,
     },
 }
 
-/// An argument, by place or by name: `x`, `speed: 3`.
+/// Argument, positional or named: `x`, `speed: 3`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Arg {
-    /// The parameter, if named.
+    /// Name of the parameter; absent for a positional argument.
     pub name: Option<Ident>,
-    /// The value.
+    /// Value.
     pub value: Expr,
 }
 
-/// An argument between `<<` and `>>`.
+/// Static argument, between `<<` and `>>`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct StaticArg {
-    /// The parameter, if named.
+    /// Name of the parameter; absent for a positional argument.
     pub name: Option<Ident>,
-    /// The argument.
+    /// Value of the argument.
     pub value: StaticValue,
-    /// All of it.
+    /// Source range.
     pub span: Span,
 }
 
-/// What a static argument can be.
+/// Value of a [`StaticArg`].
 #[derive(Clone, PartialEq, Debug)]
 pub enum StaticValue {
-    /// A value; a plain name may also be a type or a node.
+    /// Expression; a plain name may also denote a type or a node.
     Expr(Expr),
-    /// A type that is no plain name: `int`, `real[m]`, `bool^3`.
+    /// Type that is not a plain name: `int`, `real[m]`, `bool^3`.
     Type(Type),
-    /// An operator: `+`, `and`, `if`.
+    /// Operator: `+`, `and`, `if`.
     Op(StaticOp),
-    /// A node with static arguments of its own: `f<<3>>`.
+    /// Node with static arguments: `f<<3>>`.
     Callee(Callee),
 }
 
-/// An operator that is passed as a node.
+/// Operator passed as a node.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum StaticOp {
     /// `not`, `pre`
@@ -269,7 +271,7 @@ pub enum StaticOp {
     If,
 }
 
-/// Operators over any number of Booleans.
+/// Operator over any number of Booleans.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Among {
     /// `#(...)`: at most one is true.
@@ -278,82 +280,82 @@ pub enum Among {
     Nor,
 }
 
-/// `merge on cases`
+/// Merge of flows with complementary clocks: `merge on cases`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Merge {
-    /// The flow that chooses; a plain name in Lustre V6, any expression in `merge(c; x; y)`.
+    /// Selecting flow: a plain name in Lustre V6, any expression in `merge(c; x; y)`.
     pub on: Expr,
-    /// The cases in text order.
+    /// Cases in text order.
     pub cases: Vec<MergeCase>,
 }
 
-/// `(A -> x)`
+/// Case of a merge: `(A -> x)`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct MergeCase {
-    /// The value of the choosing flow: an enum value, `true`, `false`.
+    /// Value of the selecting flow: an enum value, `true` or `false`.
     pub value: Ident,
-    /// What the merged flow is then.
+    /// Value of the merge in this case.
     pub then: Expr,
 }
 
-/// `forall (vars) condition`
+/// Quantified condition: `forall (vars) condition` (Kind 2).
 #[derive(Clone, PartialEq, Debug)]
 pub struct Quantified {
-    /// Whether it must hold for all, not only for some.
+    /// Whether the quantifier is `forall`, not `exists`.
     pub for_all: bool,
-    /// What is quantified over.
+    /// Bound variables.
     pub vars: Vec<VarDecl>,
-    /// What must hold.
+    /// Quantified condition.
     pub condition: Expr,
 }
 
-/// `(value: ty)`
+/// Type ascription: `(value: ty)` (Kind 2).
 #[derive(Clone, PartialEq, Debug)]
 pub struct Ascribed {
-    /// The value.
+    /// Value.
     pub value: Expr,
-    /// The type that it is to have.
+    /// Ascribed type.
     pub ty: Type,
 }
 
-/// `constructor?(value)`
+/// Constructor test: `constructor?(value)` (Kind 2).
 #[derive(Clone, PartialEq, Debug)]
 pub struct IsA {
-    /// The alternative that is asked for.
+    /// Tested constructor.
     pub constructor: Ident,
-    /// Of this.
+    /// Value of the datatype.
     pub value: Expr,
 }
 
-/// `match value with arms end`
+/// Match expression: `match value with arms end` (Kind 2).
 #[derive(Clone, PartialEq, Debug)]
 pub struct Match {
-    /// What is taken apart.
+    /// Matched value.
     pub value: Expr,
-    /// The alternatives in text order, at least one.
+    /// Arms in text order, at least one.
     pub arms: Vec<Arm>,
 }
 
-/// `A(x, y): then`
+/// Arm of a match expression: `A(x, y): then`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Arm {
-    /// What the value looks like.
+    /// Pattern of the arm.
     pub pattern: Pattern,
-    /// The value in this case.
+    /// Value if the pattern matches.
     pub then: Expr,
 }
 
-/// `A(x, B(y))`: what a value of a datatype, or a part of one, looks like.
+/// Pattern of a value of a datatype: `A(x, B(y))`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Pattern {
-    /// An alternative; `_` or another name for any.
+    /// Constructor; `_` or any other name matches every value.
     pub name: Ident,
-    /// What the parts of the alternative look like.
+    /// Patterns of the fields.
     pub parts: Vec<Pattern>,
 }
 
 impl Pattern {
-    /// All names in the pattern, alternatives too.
+    /// Returns all names in the pattern, constructors included.
     pub fn names(&self) -> Vec<&Ident> {
         let mut all = vec![self];
         let mut at = 0;
@@ -365,49 +367,50 @@ impl Pattern {
     }
 }
 
-/// `T{x = 1; y = 2}`, `T{s with x = 1}`
+/// Struct expression: `T{x = 1; y = 2}`, `T{s with x = 1}`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct StructExpr {
-    /// The struct type.
+    /// Struct type.
     pub ty: Ident,
-    /// Its static arguments: `T@<int>{x = 1}`.
+    /// Static arguments: `T@<int>{x = 1}`.
     pub statics: Vec<StaticArg>,
-    /// Where the other fields come from.
+    /// Struct that supplies the other fields.
     pub base: Option<Expr>,
-    /// The fields given.
+    /// Fields with explicit values.
     pub fields: Vec<FieldValue>,
 }
 
-/// `x = 1` in a struct expression.
+/// Field of a struct expression: `x = 1`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct FieldValue {
-    /// The field.
+    /// Name of the field.
     pub field: Ident,
-    /// Its value.
+    /// Value of the field.
     pub value: Expr,
 }
 
-/// `(base with changes)`
+/// Update of parts of a value: `(base with changes)`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Update {
-    /// What is changed.
+    /// Value before the update.
     pub base: Expr,
-    /// The changes, at least one, applied in text order.
+    /// Changes, at least one, applied in text order.
     pub changes: Vec<Change>,
-    /// Whether it is written `base[0 := x]` (Kind 2): each path is one index; of a struct its name is a field's.
+    /// Whether it is written `base[0 := x]` (Kind 2): each path is one index. For a struct, the index is the name of a
+    /// field.
     pub is_keyed: bool,
 }
 
-/// `.f[1] = y`
+/// Change of one part: `.f[1] = y`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Change {
-    /// Where in the value, at least one step.
+    /// Path to the part, at least one step.
     pub path: Vec<Access>,
-    /// The new part.
+    /// New value of the part.
     pub value: Expr,
 }
 
-/// One step into a value.
+/// Step of a path into a value.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Access {
     /// `.f`

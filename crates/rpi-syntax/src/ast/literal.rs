@@ -1,17 +1,17 @@
-//! Numbers, units and clocks.
+//! Number literals, units and clocks.
 
 use super::{Ident, Name};
 use rpi_diag::Span;
 
-/// A number as it was written; the text is kept, so that printing changes nothing.
+/// Number literal. The source text is kept, so that printing reproduces it.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Number {
-    /// The digits, `250`, `0x1F`, `2.5e-3`, `0x1.8p3`.
+    /// Source text: `250`, `0x1F`, `2.5e-3`, `0x1.8p3`.
     pub text: Name,
 }
 
 impl Number {
-    /// Whether it is written as an integer, decimal or hexadecimal.
+    /// Returns whether it is an integer literal, decimal or hexadecimal.
     pub fn is_int(&self) -> bool {
         match self.hex() {
             Some(digits) => digits.bytes().all(|b| b.is_ascii_hexdigit()),
@@ -19,12 +19,12 @@ impl Number {
         }
     }
 
-    /// The value of an integer. [`None`] for a real and beyond 2^63, which the parser has reported.
+    /// Returns the value of an integer. [`None`] for a real, and for values above 2^63, which the parser has reported.
     pub fn int(&self) -> Option<u64> {
         self.bits().filter(|value| *value <= 1 << 63)
     }
 
-    /// The value of an integer of 64 bits without sign, as a machine integer of Kind 2 takes it.
+    /// Returns the value of an unsigned 64-bit integer, as for the machine integers of Kind 2.
     pub fn bits(&self) -> Option<u64> {
         match self.hex() {
             Some(digits) => u64::from_str_radix(digits, 16).ok(),
@@ -32,7 +32,7 @@ impl Number {
         }
     }
 
-    /// The value as a real; of an integer the nearest one.
+    /// Returns the value as a real, rounded to nearest.
     pub fn real(&self) -> f64 {
         match self.hex() {
             Some(digits) => hex_real(digits),
@@ -47,7 +47,7 @@ impl Number {
     }
 }
 
-/// The value of hexadecimal digits, maybe with some behind a dot, times a power of two: `1.8p3` is 12. It is the nearest real.
+/// Returns the nearest real to a hexadecimal number, with optional fraction and binary exponent: `1.8p3` is 12.
 fn hex_real(text: &str) -> f64 {
     let (digits, power) = text.split_once(['p', 'P']).unwrap_or((text, "0"));
     let beyond = if power.starts_with('-') {
@@ -66,7 +66,7 @@ fn hex_real(text: &str) -> f64 {
         let has_room = value >> 60 == 0;
         value = match has_room {
             true => value << 4 | u64::from(digit),
-            // What is left out only says whether the value lies above what is kept.
+            // Sticky bit: further digits only matter for whether the value is above the kept bits.
             false => value | u64::from(digit != 0),
         };
         power = match (has_room, is_behind) {
@@ -78,14 +78,14 @@ fn hex_real(text: &str) -> f64 {
     nearest(value, power)
 }
 
-/// The real that is nearest to a number times a power of two; of two the even one.
+/// Returns `value * 2^power` rounded to the nearest real, ties to even (IEEE 754).
 fn nearest(value: u64, power: i64) -> f64 {
     if value == 0 {
         return 0.0;
     }
     let zeros = value.leading_zeros();
     let value = value << zeros;
-    // The power of two of the first digit.
+    // Exponent of the leading bit.
     let first = power.saturating_add(63 - i64::from(zeros));
     if first > 1023 {
         return f64::INFINITY;
@@ -93,6 +93,7 @@ fn nearest(value: u64, power: i64) -> f64 {
     let is_normal = first >= -1022;
     let dropped = match is_normal {
         true => 11,
+        // The bound only prevents an overflow: such a small number is 0 in any case.
         false => 11 - 1022 - first.max(-2000),
     };
     if dropped > 64 {
@@ -104,54 +105,54 @@ fn nearest(value: u64, power: i64) -> f64 {
     let half = 1u128 << (dropped - 1);
     let is_up = rest > half || rest == half && kept & 1 == 1;
     let digits = kept as u64 + u64::from(is_up);
-    // One digit more by rounding up goes over into the exponent, which is what it means.
+    // A carry out of the digits increments the exponent, which is the correct result.
     let exponent = if is_normal { (first + 1022) as u64 } else { 0 };
     f64::from_bits((exponent << 52) + digits)
 }
 
-/// A unit of measure as a product of powers: `m/s^2` is m to the 1 and s to the -2; `1` is empty.
+/// Unit of measure as a product of powers: `m/s^2` is m^1 * s^-2. The unit `1` has no factors.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Unit {
-    /// The factors in text order.
+    /// Factors in text order.
     pub factors: Vec<UnitFactor>,
-    /// All of it, without brackets.
+    /// Source range, without brackets.
     pub span: Span,
 }
 
 impl Unit {
-    /// Whether it is `%` alone, which is written without brackets: `60%`.
+    /// Returns whether the unit is `%` alone, which is written without brackets: `60%`.
     pub fn is_percent(&self) -> bool {
         matches!(&self.factors[..], [f] if f.unit.name == "%" && f.power == 1)
     }
 }
 
-/// One factor of a [`Unit`].
+/// Factor of a [`Unit`].
 #[derive(Clone, PartialEq, Debug)]
 pub struct UnitFactor {
-    /// `m`, `deg`, `%`.
+    /// Name of the base unit: `m`, `deg`, `%`.
     pub unit: Ident,
-    /// Its power, negative after a `/`.
+    /// Exponent; negative after a `/`.
     pub power: i32,
 }
 
-/// The clock of `x when c`.
+/// Clock of `x when c`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Clock {
-    /// When the clock ticks.
+    /// Value of the flow at which the clock ticks.
     pub tick: Tick,
-    /// The flow that decides.
+    /// Flow that determines the clock.
     pub flow: Ident,
-    /// All of it, after `when`.
+    /// Source range, without `when`.
     pub span: Span,
 }
 
-/// For which values of its flow a clock ticks.
+/// Value of its flow at which a clock ticks.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Tick {
     /// `when c`
     True,
     /// `when not c`
     False,
-    /// `when A(c)`, an enum's value
+    /// `when A(c)`: an enum value
     Value(Ident),
 }

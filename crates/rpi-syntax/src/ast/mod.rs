@@ -1,21 +1,21 @@
-//! The syntax tree of a file: what was written, not what it means.
+//! Abstract syntax tree of a file.
 //!
-//! Every node has a [`Span`]; nodes made by a program have [`Span::NONE`] and print all the same.
-//! Names are not resolved here. In particular the predeclared flows (`time`, `cancel`, `none`) are
+//! Every node has a [`Span`]. Nodes created by a program have [`Span::NONE`] and can be printed too.
+//! Names are not resolved. In particular, the predeclared flows (`time`, `cancel`, `none`) are
 //! plain names, and the predeclared operators (`present(x)`, `hold(x, init)`, `condact(c, f(x), d)`,
 //! `map<<+; 3>>(a, b)`) are plain calls, so that a declaration may shadow them.
 //!
-//! | file | idea |
+//! | file | content |
 //! |---|---|
 //! | `literal.rs` | numbers, units, clocks |
 //! | `expr.rs` | expressions and calls |
 //! | `ty.rs` | types |
-//! | `body.rs` | equations, fragments in place, automata |
+//! | `body.rs` | equations, local fragments, automata |
 //! | `decl.rs` | top-level declarations |
 //! | `task.rs` | tasks |
-//! | `children.rs`, `children_mut.rs` | what an expression is made of |
-//! | `walk.rs` | a walk through all of a declaration |
-//! | `build.rs` | short ways to make nodes that have no text |
+//! | `children.rs`, `children_mut.rs` | direct subexpressions of an expression |
+//! | `walk.rs` | visitor of a whole declaration |
+//! | `build.rs` | constructors of nodes without source text |
 
 mod body;
 mod build;
@@ -41,32 +41,32 @@ pub use crate::name::Name;
 use rpi_diag::Span;
 use std::sync::Arc;
 
-/// One source file.
+/// Source file.
 #[derive(Clone, PartialEq, Debug)]
 pub struct File {
-    /// Its declarations, in text order.
+    /// Declarations in text order.
     pub items: Vec<Item>,
-    /// Which words it knows.
+    /// Dialect of the file.
     pub mode: Mode,
 }
 
-/// A name at a place. It may be qualified (`Core::DoubleAdd`) where it refers to something.
+/// Name with its source range. A reference may be qualified (`Core::DoubleAdd`).
 #[derive(Clone, PartialEq, Debug)]
 pub struct Ident {
-    /// The name.
+    /// Name.
     pub name: Name,
-    /// Where it stands.
+    /// Source range.
     pub span: Span,
 }
 
-/// The text of a doc comment (`--|`), without the marks, lines joined by `\n`.
+/// Text of a doc comment (`--|`), without the markers, lines joined by `\n`.
 pub type Doc = Arc<str>;
 
 /// Names joined by dots: `arm.tcp`, `way.done`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Dotted {
-    /// The names, at least one.
+    /// Names, at least one.
     pub parts: Vec<Ident>,
-    /// All of it.
+    /// Source range of the whole path.
     pub span: Span,
 }

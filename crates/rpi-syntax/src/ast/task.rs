@@ -1,86 +1,86 @@
-//! Tasks: which command follows which.
+//! Tasks: sequences and branches of commands.
 
 use super::{Arg, Callee, Doc, Expr, Ident, StaticParam, VarDecl};
 use rpi_diag::Span;
 
-/// `task T (params) let steps tel`
+/// Declaration of a task: `task T (params) let steps tel`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct TaskDecl {
-    /// The name declared.
+    /// Declared name.
     pub name: Ident,
-    /// `<<...>>`
+    /// Static parameters: `<<...>>`.
     pub statics: Vec<StaticParam>,
-    /// Devices and values.
+    /// Parameters: devices and values.
     pub params: Vec<VarDecl>,
-    /// Its steps in text order.
+    /// Steps in text order.
     pub steps: Vec<Step>,
 }
 
-/// One step of a task.
+/// Step of a task.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Step {
-    /// Doc comment before it.
+    /// Preceding doc comment.
     pub doc: Option<Doc>,
-    /// What it is.
+    /// Kind of the step.
     pub kind: StepKind,
-    /// All of it, with its `;`.
+    /// Source range, `;` included.
     pub span: Span,
 }
 
-/// The kinds of steps.
+/// Kind of a [`Step`].
 #[derive(Clone, PartialEq, Debug)]
 pub enum StepKind {
     /// `search: Search(arm, hole) on found then push;`
     Run(Box<Run>),
-    /// `repeat n times let ... tel`; without a count for ever
+    /// `repeat n times let ... tel`; endless without a count
     Repeat {
-        /// How often.
+        /// Number of repetitions; endless if absent.
         count: Option<Expr>,
-        /// What.
+        /// Repeated steps in text order.
         steps: Vec<Step>,
     },
-    /// `parallel let ... tel let ... tel`: all at once
+    /// `parallel let ... tel let ... tel`: concurrent branches
     Parallel(Vec<Strand>),
-    /// `start search;`: the step that comes first
+    /// `start search;`: label of the first step
     Start(Ident),
-    /// A step with a fault; the labels that it seems to define
+    /// Step with an error; the labels that it seems to define
     Broken(Vec<Ident>),
 }
 
-/// Steps of a task that are run beside others.
+/// Concurrent branch of a `parallel` step.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Strand {
-    /// In text order.
+    /// Steps in text order.
     pub steps: Vec<Step>,
-    /// From its `let` to its `tel`.
+    /// Source range from `let` to `tel`.
     pub span: Span,
 }
 
-/// A command or task that is run.
+/// Step that runs a command or task.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Run {
-    /// The name of the step.
+    /// Label of the step.
     pub label: Option<Ident>,
-    /// The command or task.
+    /// Command or task to run.
     pub callee: Callee,
-    /// Its parameters.
+    /// Arguments.
     pub args: Vec<Arg>,
-    /// What follows which result; empty: the next step.
+    /// Branches on the result. If empty, the next step follows.
     pub branches: Vec<Branch>,
 }
 
-/// `on lost, fail then retreat`
+/// Branch on results: `on lost, fail then retreat`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Branch {
-    /// The results, at least one.
+    /// Results, at least one.
     pub on: Vec<OnResult>,
-    /// What follows.
+    /// Continuation.
     pub then: Next,
-    /// All of it.
+    /// Source range.
     pub span: Span,
 }
 
-/// A result that a branch is for.
+/// Result that selects a branch.
 #[derive(Clone, PartialEq, Debug)]
 pub enum OnResult {
     /// `lost`
@@ -91,11 +91,11 @@ pub enum OnResult {
     Any(Span),
 }
 
-/// What follows a step.
+/// Continuation after a step.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Next {
-    /// Another step.
+    /// Step with this label.
     Step(Ident),
-    /// `end`: nothing, the task is done, or the strand in which it stands.
+    /// `end`: ends the task or the enclosing parallel branch.
     End(Span),
 }

@@ -1,18 +1,18 @@
-//! Types.
+//! Type expressions.
 
 use super::{Dotted, Expr, Ident, StaticArg, Unit, VarDecl};
 use rpi_diag::Span;
 
-/// A type.
+/// Type expression.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Type {
-    /// What it is.
+    /// Kind of the type.
     pub kind: TypeKind,
-    /// All of it.
+    /// Source range.
     pub span: Span,
 }
 
-/// The kinds of types.
+/// Kind of a [`Type`].
 #[derive(Clone, PartialEq, Debug)]
 pub enum TypeKind {
     /// `bool`
@@ -39,14 +39,14 @@ pub enum TypeKind {
     Enum(Vec<EnumValue>),
     /// `struct { x: real; y: real = 0.0 }`; only in a type declaration
     Struct(Vec<VarDecl>),
-    /// A type with a fault; whatever has it must not cause further findings
+    /// Type with an error; it must not cause further diagnostics
     Broken,
 }
 
-/// A type by its name.
+/// Named type with its static arguments and frames.
 #[derive(Clone, PartialEq, Debug)]
 pub struct NamedType {
-    /// The name; may be qualified.
+    /// Name of the type; may be qualified.
     pub name: Ident,
     /// Static arguments.
     pub statics: Vec<StaticArg>,
@@ -54,58 +54,58 @@ pub struct NamedType {
     pub frames: Option<Frames>,
 }
 
-/// The coordinate frames of a spatial type.
+/// Coordinate frames of a spatial type.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Frames {
-    /// What is located: `tool` in `(tool in base)`; absent in `(base)`.
+    /// Located frame: `tool` in `(tool in base)`; absent in `(base)`.
     pub of: Option<Dotted>,
-    /// The frame of the coordinates: `base`.
+    /// Reference frame of the coordinates: `base`.
     pub in_frame: Dotted,
 }
 
-/// `element^size`
+/// Array type: `element^size`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct ArrayType {
-    /// Type of the elements.
+    /// Element type.
     pub element: Type,
-    /// How many, a constant.
+    /// Number of elements, a constant.
     pub size: Expr,
 }
 
-/// `subrange [from, to] of int`
+/// Subrange of the integers: `subrange [from, to] of int`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Subrange {
-    /// Least value; open if absent (`*`).
+    /// Lower bound, inclusive; absent if unbounded (`*`).
     pub from: Option<Expr>,
-    /// Greatest value; open if absent (`*`).
+    /// Upper bound, inclusive; absent if unbounded (`*`).
     pub to: Option<Expr>,
 }
 
-/// `subtype { name: base | condition }`
+/// Refinement type: `subtype { name: base | condition }`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Refined {
-    /// What a value is called in the condition.
+    /// Name of the value in the condition.
     pub name: Ident,
-    /// The type that has more values.
+    /// Base type.
     pub base: Type,
-    /// What holds for the values.
+    /// Condition that the values satisfy.
     pub condition: Expr,
 }
 
-/// One alternative of a `datatype`.
+/// Constructor of a `datatype`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Constructor {
-    /// Its name.
+    /// Name of the constructor.
     pub name: Ident,
-    /// Its parts.
+    /// Fields of the constructor.
     pub fields: Vec<VarDecl>,
 }
 
-/// One value of an enum.
+/// Value of an enum.
 #[derive(Clone, PartialEq, Debug)]
 pub struct EnumValue {
-    /// Doc comment before it.
+    /// Preceding doc comment.
     pub doc: Option<super::Doc>,
-    /// Its name.
+    /// Name of the value.
     pub name: Ident,
 }

@@ -1,4 +1,4 @@
-//! A walk through all of a declaration, for tools that look for one kind of thing without minding the rest.
+//! Visitor of a whole declaration, for analyses that need only some kinds of nodes.
 
 use super::children::of_path;
 use super::{
@@ -8,38 +8,39 @@ use super::{
     TaskDecl, TestDecl, Tick, Type, TypeKind, Unit, VarDecl,
 };
 
-/// Who is told what a declaration consists of.
+/// Visitor of the parts of a declaration. All methods do nothing by default.
 pub trait Visit<'a> {
-    /// Whether it wants to hear of what stands in expressions: going through these takes most of the time.
+    /// Returns whether expressions are visited. Visiting them takes most of the time of a walk.
     fn looks_into_expressions(&self) -> bool {
         true
     }
 
-    /// A name that stands for something, not where it is declared or defined as a whole; a name maybe several times.
+    /// Visits a reference to a name, but no declaration or definition of a whole flow. A name may be visited
+    /// repeatedly.
     fn name(&mut self, _: &'a Name) {}
 
-    /// An expression that is computed while the program runs, then those in it.
+    /// Visits an expression that is evaluated at run time, before its subexpressions.
     fn flow(&mut self, _: &'a Expr) {}
 
-    /// A fragment in place, before what is in it.
+    /// Visits a local fragment, before its contents.
     fn fragment(&mut self, _: &'a FragmentDecl) {}
 
-    /// An automaton, before what is in it.
+    /// Visits an automaton, before its contents.
     fn automaton(&mut self, _: &'a Automaton) {}
 }
 
-/// Goes through declarations.
+/// Traversal of declarations that calls a visitor.
 pub struct Walk<'w, 'a> {
     visitor: &'w mut dyn Visit<'a>,
 }
 
 impl<'a> Walk<'_, 'a> {
-    /// Whoever is told.
+    /// Creates a traversal that calls `visitor`.
     pub fn new<'w>(visitor: &'w mut dyn Visit<'a>) -> Walk<'w, 'a> {
         Walk { visitor }
     }
 
-    /// A node or function.
+    /// Walks a node or function.
     pub fn node(&mut self, node: &'a NodeDecl) {
         self.signature(&node.signature);
         self.contract(node.contract.as_ref());
@@ -50,7 +51,7 @@ impl<'a> Walk<'_, 'a> {
         }
     }
 
-    /// A fragment, declared or in place.
+    /// Walks a fragment, at top level or local.
     pub fn fragment(&mut self, fragment: &'a FragmentDecl) {
         self.signature(&fragment.signature);
         let when = fragment.when.iter().map(|when| &when.condition);
@@ -60,14 +61,14 @@ impl<'a> Walk<'_, 'a> {
         self.body(&fragment.body);
     }
 
-    /// A device type.
+    /// Walks a device type.
     pub fn device(&mut self, device: &'a DeviceDecl) {
         self.statics(&device.statics);
         let ports = device.sections.iter().flat_map(|section| &section.ports);
         ports.for_each(|port| self.vars(&port.alternatives));
     }
 
-    /// A command.
+    /// Walks a command.
     pub fn command(&mut self, command: &'a CommandDecl) {
         self.statics(&command.statics);
         self.vars(&command.params);
@@ -77,14 +78,14 @@ impl<'a> Walk<'_, 'a> {
         self.body(&command.body);
     }
 
-    /// A task.
+    /// Walks a task.
     pub fn task(&mut self, task: &'a TaskDecl) {
         self.statics(&task.statics);
         self.vars(&task.params);
         self.steps(&task.steps);
     }
 
-    /// A test.
+    /// Walks a test.
     pub fn test(&mut self, test: &'a TestDecl) {
         self.body(&test.body);
     }
@@ -231,17 +232,18 @@ impl<'a> Walk<'_, 'a> {
         exprs.into_iter().for_each(|expr| self.expr(expr));
     }
 
-    /// What is computed while the program runs.
+    /// Walks an expression that is evaluated at run time.
     fn expr(&mut self, expr: &'a Expr) {
         self.all_in(expr, true);
     }
 
-    /// What is known before the program runs.
+    /// Walks expressions that are evaluated before the program runs.
     fn fixed(&mut self, exprs: impl IntoIterator<Item = &'a Expr>) {
         exprs.into_iter().for_each(|expr| self.all_in(expr, false));
     }
 
-    /// An expression and all in it. Expressions may be nested deeply: those inside wait in a list.
+    /// Walks an expression and its subexpressions. Uses a list instead of recursion, as expressions may be nested
+    /// deeply.
     fn all_in(&mut self, expr: &'a Expr, runs: bool) {
         if !self.visitor.looks_into_expressions() {
             return;
@@ -256,7 +258,7 @@ impl<'a> Walk<'_, 'a> {
         }
     }
 
-    /// The names of an expression that are in no expression inside.
+    /// Visits the names of an expression that are not part of a subexpression.
     fn beside_children(&mut self, expr: &'a Expr) {
         match &expr.kind {
             ExprKind::Name(name) => self.visitor.name(name),
