@@ -1,17 +1,25 @@
 //! Boolean operations that the lowering adds for presence and activation.
 
-use crate::flat::{Flat, NO_NODE, ScopeId, Work};
+use crate::flat::{Flat, Item, NO_NODE, ScopeId, Work, index};
 use crate::slots::{Region, Slot};
 use rpi_image::Form;
 use rpi_net::prim;
 use rpi_prims::PrimId;
 use rustc_hash::FxHashMap;
 
-/// Value numbering of Boolean operations: maps (primitive, first, second) to results and the scopes in which they are
-/// computed.
+/// Value numbering of Boolean operations: maps (primitive, first, second) to the operations with these operands.
 #[derive(Default)]
 pub(crate) struct Logic {
-    known: FxHashMap<(PrimId, Slot, Slot), Vec<(ScopeId, Slot)>>,
+    known: FxHashMap<(PrimId, Slot, Slot), Vec<Known>>,
+}
+
+/// An operation that has been added.
+struct Known {
+    /// Index of the operation.
+    op: u32,
+    /// Scope in which it is computed.
+    scope: ScopeId,
+    result: Slot,
 }
 
 impl Logic {
@@ -48,9 +56,12 @@ impl Logic {
 
     fn gate(&mut self, flat: &mut Flat, scope: ScopeId, prim: PrimId, a: Slot, b: Slot) -> Slot {
         let known = self.known.entry((prim, a, b)).or_default();
-        let found = known.iter().find(|(at, _)| encloses(flat, *at, scope));
-        if let Some((_, slot)) = found {
-            return *slot;
+        for one in known.iter_mut() {
+            // Not only to save work: the verifier knows two scopes to be active together by the identity of their
+            // guards, not by their values.
+            if encloses(flat, one.scope, scope) || one.hoist(flat, scope, [a, b]) {
+                return one.result;
+            }
         }
         let result = flat.slots.add(Region::Value, 1);
         let words = [a.0, b.0, result.0];
@@ -60,9 +71,80 @@ impl Logic {
             &words[..]
         };
         flat.push(scope, Work::Run(prim, Form::Total), words, NO_NODE);
-        known.push((scope, result));
+        let op = index(flat.ops.len() - 1);
+        known.push(Known { op, scope, result });
         result
     }
+}
+
+impl Known {
+    /// Moves the operation to the innermost scope that encloses its own and `reader`. Returns false if an operand is
+    /// computed between the two places; the operation then stays.
+    fn hoist(&mut self, flat: &mut Flat, reader: ScopeId, operands: [Slot; 2]) -> bool {
+        let parent = |s: &ScopeId| flat.scopes[s.index()].parent;
+        let outwards = std::iter::successors(Some(self.scope), parent);
+        let Some(child) = outwards.take_while(|s| !encloses(flat, *s, reader)).last() else {
+            return false;
+        };
+        let Some(common) = flat.scopes[child.index()].parent else {
+            return false;
+        };
+        let place = Item::Scope(child);
+        let Some(at) = flat.scopes[common.index()]
+            .items
+            .iter()
+            .position(|item| *item == place)
+        else {
+            return false;
+        };
+        if writes_before(flat, child, self.op, operands, &mut { SEARCHED }) != Some(false) {
+            return false;
+        }
+        let own = Item::Op(self.op);
+        flat.scopes[self.scope.index()]
+            .items
+            .retain(|item| *item != own);
+        flat.scopes[common.index()].items.insert(at, own);
+        self.scope = common;
+        true
+    }
+}
+
+/// Largest number of operations that are searched for an operand. Beyond it an operation is not moved.
+const SEARCHED: u32 = 10_000;
+
+/// Returns whether one of the registers is written in `scope` before the operation `end`; `None` if `end` is not in the
+/// scope. A search that takes more than `budget` steps counts as a write.
+fn writes_before(
+    flat: &Flat,
+    scope: ScopeId,
+    end: u32,
+    slots: [Slot; 2],
+    budget: &mut u32,
+) -> Option<bool> {
+    for item in &flat.scopes[scope.index()].items {
+        let Some(rest) = budget.checked_sub(1) else {
+            return Some(true);
+        };
+        *budget = rest;
+        match *item {
+            Item::Op(op) if op == end => return Some(false),
+            Item::Op(op)
+                if flat
+                    .writes(flat.ops[op as usize])
+                    .any(|s| slots.contains(&s)) =>
+            {
+                return Some(true);
+            }
+            Item::Op(_) => {}
+            Item::Scope(inner) => {
+                if let Some(known) = writes_before(flat, inner, end, slots, budget) {
+                    return Some(known);
+                }
+            }
+        }
+    }
+    None
 }
 
 fn encloses(flat: &Flat, outer: ScopeId, inner: ScopeId) -> bool {

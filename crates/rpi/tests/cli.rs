@@ -120,7 +120,7 @@ fn what_is_no_text_is_named() {
     std::fs::write(&binary, [0xff, 0xfe, b'a', 0]).unwrap();
     let trace = err(&rpi(&["replay", &net, "--trace", &binary]));
     assert!(
-        trace.contains("binary.trace") && trace.contains("no text"),
+        trace.contains("binary.trace") && trace.contains("not a text"),
         "{trace}"
     );
     let cell = err(&rpi(&["run", &net, "--cell", &binary]));
