@@ -128,7 +128,7 @@ fn what_is_built_in_has_words() {
     let mut session = open(text);
     let cases = [
         ("hold", "hold(x, init)"),
-        ("time", "since the command's first cycle"),
+        ("time", "Time since the first cycle of the command"),
         ("none", "The absent value."),
         ("Core::DoubleAdd", "primitive Core::DoubleAdd"),
         ("returns", "keyword"),

@@ -38,39 +38,42 @@ pub(super) fn print_expr(printer: &Printer<'_>, expr: &Expr) -> Doc {
         ExprKind::Array(elements) => {
             list::print_list(printer, SQUARE, elements, |e| e.span, print_expr)
         }
-        ExprKind::Quantified(of) => {
-            let head = word(if of.for_all { "forall " } else { "exists " });
-            concat([
-                head,
-                ty::print_ports(printer, &of.vars),
-                word(" "),
-                print_expr(printer, &of.condition),
-            ])
-        }
-        ExprKind::Ascribed(of) => {
-            let value = print_expr(printer, &of.value);
-            concat([
-                word("("),
-                value,
-                word(": "),
-                ty::print_ty(printer, &of.ty),
-                word(")"),
-            ])
-        }
-        ExprKind::IsA(of) => {
-            let value = print_expr(printer, &of.value);
-            concat([
-                ty::print_name(printer, &of.constructor),
-                word("?("),
-                value,
-                word(")"),
-            ])
-        }
+        ExprKind::Quantified(of) => print_quantified(printer, of),
+        ExprKind::Ascribed(of) => print_ascribed(printer, of),
+        ExprKind::IsA(of) => print_is_a(printer, of),
         ExprKind::Match(of) => match_expr(printer, of),
         ExprKind::EmptySet(types) => concat([word("{}"), call::type_args(printer, "@<", types)]),
         ExprKind::Struct(value) => struct_expr(printer, value),
         ExprKind::Update(update) => print_update(printer, update),
     }
+}
+
+fn print_quantified(printer: &Printer<'_>, of: &Quantified) -> Doc {
+    concat([
+        word(if of.for_all { "forall " } else { "exists " }),
+        ty::print_ports(printer, &of.vars),
+        word(" "),
+        print_expr(printer, &of.condition),
+    ])
+}
+
+fn print_ascribed(printer: &Printer<'_>, of: &Ascribed) -> Doc {
+    concat([
+        word("("),
+        print_expr(printer, &of.value),
+        word(": "),
+        ty::print_ty(printer, &of.ty),
+        word(")"),
+    ])
+}
+
+fn print_is_a(printer: &Printer<'_>, of: &IsA) -> Doc {
+    concat([
+        ty::print_name(printer, &of.constructor),
+        word("?("),
+        print_expr(printer, &of.value),
+        word(")"),
+    ])
 }
 
 /// Prints an expression, in parentheses if `needed`.

@@ -102,25 +102,17 @@ pub(crate) fn expand_element_equation<'a>(
             "each index must be a plain name",
         );
     };
-    let mut ty = cx.unit.flow(flow).ty.clone();
-    let mut sizes = Vec::new();
-    while let Ty::Array(element, n) = ty {
-        sizes.push(n);
-        ty = (*element).clone();
-    }
-    if ty.is_unknown() {
+    let (sizes, element) = dimensions(cx.unit.flow(flow).ty.clone());
+    if element.is_unknown() {
         return cx.reported.erroneous_flows.push(flow);
     }
     if sizes.len() != names.len() {
-        let text = format!(
-            "`{}` has {}, found {}",
-            target.name.name,
-            rpi_diag::counted(sizes.len(), "dimension"),
-            match names.len() {
-                1 => "1 index".to_owned(),
-                n => format!("{n} indices"),
-            }
-        );
+        let found = match names.len() {
+            1 => "1 index".to_owned(),
+            n => format!("{n} indices"),
+        };
+        let expected = rpi_diag::counted(sizes.len(), "dimension");
+        let text = format!("`{}` has {expected}, found {found}", target.name.name);
         return report_invalid_element_equation(cx, &equation.targets, span, &text);
     }
     let count: u64 = sizes.iter().map(|n| u64::from(*n)).product();
@@ -140,6 +132,16 @@ pub(crate) fn expand_element_equation<'a>(
             indices: names.iter().cloned().zip(place(at, &sizes)).collect(),
         });
     }
+}
+
+/// Returns the sizes of nested arrays, outermost first, and the type of their elements.
+fn dimensions(mut ty: Ty) -> (Vec<u32>, Ty) {
+    let mut sizes = Vec::new();
+    while let Ty::Array(element, n) = ty {
+        sizes.push(n);
+        ty = (*element).clone();
+    }
+    (sizes, ty)
 }
 
 /// Reports an array that cannot be defined by its elements.

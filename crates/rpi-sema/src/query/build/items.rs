@@ -4,9 +4,9 @@ use super::bodies;
 use crate::program::Source;
 use crate::query::build::{At, Body, Builder, DefId, DefKind, Ident, Origin, ScopeId, Work};
 use rpi_syntax::ast::{
-    Claim, ConstDef, Contract, DeclaredKind, DeviceDecl, FragmentDecl, FrameDecl, Item, ItemKind,
-    Locals, NodeDecl, NodeDef, NodeKind, Signature, StaticParam, StaticParamKind, Step, StepKind,
-    TaskDecl, TypeDef, TypeKind, VarDecl,
+    Claim, CommandDecl, ConstDef, Contract, DeclaredKind, DeviceDecl, FragmentDecl, FrameDecl,
+    Item, ItemKind, Locals, NodeDecl, NodeDef, NodeKind, Signature, StaticParam, StaticParamKind,
+    Step, StepKind, TaskDecl, TestDecl, TypeDef, TypeKind, VarDecl,
 };
 
 pub(super) fn index_items<'a>(builder: &mut Builder<'a>, source: &Source<'a>, scope: ScopeId) {
@@ -39,48 +39,37 @@ fn index_item<'a>(builder: &mut Builder<'a>, scope: ScopeId, item: &'a Item) {
         }
         ItemKind::Device(device) => index_device(builder, at, device),
         ItemKind::Frame(frame) => index_frame(builder, at, frame),
-        ItemKind::Command(command) => {
-            let (def, body) = define_with_params(
-                builder,
-                at,
-                DefKind::Command,
-                &command.name,
-                &command.statics,
-            );
-            let results = builder.inner(at, def);
-            builder.index.inside[def.0 as usize].members = Some(results);
-            index_vars(builder, body, &command.params, DefKind::Param);
-            index_vars(builder, body, &command.given, DefKind::Given);
-            builder.exprs(body, &command.budget);
-            index_contract(builder, body, command.contract.as_ref());
-            bodies::index_body(builder, body, &command.body);
-            index_results(
-                builder,
-                At {
-                    scope: results,
-                    ..at
-                },
-                &command.body,
-            );
-        }
+        ItemKind::Command(command) => index_command(builder, at, command),
         ItemKind::Task(task) => index_task(builder, at, task),
-        ItemKind::Test(test) => {
-            let def = builder.define(at, &test.title, DefKind::Test);
-            let results = builder.inner(at, def);
-            let body = builder.inner(at, def);
-            bodies::index_body(builder, body, &test.body);
-            let at = At {
-                scope: results,
-                ..at
-            };
-            index_results(builder, at, &test.body);
-        }
+        ItemKind::Test(test) => index_test(builder, at, test),
         ItemKind::Broken(names) => {
             for declared in names {
                 builder.define(at, &declared.name, broken_kind(declared.kind));
             }
         }
     }
+}
+
+fn index_command<'a>(builder: &mut Builder<'a>, at: At<'a>, command: &'a CommandDecl) {
+    let (kind, name) = (DefKind::Command, &command.name);
+    let (def, body) = define_with_params(builder, at, kind, name, &command.statics);
+    let results = builder.inner(at, def);
+    builder.index.inside[def.0 as usize].members = Some(results);
+    index_vars(builder, body, &command.params, DefKind::Param);
+    index_vars(builder, body, &command.given, DefKind::Given);
+    builder.exprs(body, &command.budget);
+    index_contract(builder, body, command.contract.as_ref());
+    bodies::index_body(builder, body, &command.body);
+    let scope = results;
+    index_results(builder, At { scope, ..at }, &command.body);
+}
+
+fn index_test<'a>(builder: &mut Builder<'a>, at: At<'a>, test: &'a TestDecl) {
+    let def = builder.define(at, &test.title, DefKind::Test);
+    let scope = builder.inner(at, def);
+    let body = builder.inner(at, def);
+    bodies::index_body(builder, body, &test.body);
+    index_results(builder, At { scope, ..at }, &test.body);
 }
 
 pub(super) fn constant<'a>(builder: &mut Builder<'a>, at: At<'a>, def: &'a ConstDef) {

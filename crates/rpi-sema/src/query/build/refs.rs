@@ -8,8 +8,8 @@ use crate::query::def::DefKind;
 use rpi_diag::Span;
 use rpi_syntax::Name;
 use rpi_syntax::ast::{
-    Access, Activation, Arg, Branch, Call, ExprKind, NamedType, Next, OnResult, Pattern, Slice,
-    StaticArg, StaticValue, StructExpr, Tick, TypeKind,
+    Access, Activation, Arg, Branch, Call, ExprKind, Match, NamedType, Next, OnResult, Pattern,
+    Quantified, Slice, StaticArg, StaticValue, StructExpr, Tick, TypeKind,
 };
 
 /// Resolves everything on the worklist and computes the shape of every definition.
@@ -92,35 +92,34 @@ fn index_expr<'a>(builder: &mut Builder<'a>, scope: ScopeId, expr: &'a Expr) {
                 index_expr(builder, scope, &case.then);
             }
         }
-        ExprKind::Quantified(of) => {
-            let names = of.vars.iter().flat_map(|var| &var.names);
-            let names = names.map(|name| &name.name);
-            of.vars
-                .iter()
-                .for_each(|var| index_ty(builder, scope, &var.ty));
-            binder_expr(builder, scope, names, &of.condition);
-        }
+        ExprKind::Quantified(of) => index_quantified(builder, scope, of),
         ExprKind::Ascribed(of) => {
             index_expr(builder, scope, &of.value);
             index_ty(builder, scope, &of.ty);
         }
         ExprKind::IsA(of) => index_expr(builder, scope, &of.value),
-        ExprKind::Match(of) => {
-            index_expr(builder, scope, &of.value);
-            for arm in &of.arms {
-                index_name(
-                    builder,
-                    scope,
-                    &arm.pattern.name.name,
-                    arm.pattern.name.span,
-                );
-                let parts = arm.pattern.parts.iter().flat_map(Pattern::names);
-                binder_expr(builder, scope, parts.map(|name| &name.name), &arm.then);
-            }
-        }
+        ExprKind::Match(of) => index_match(builder, scope, of),
         ExprKind::EmptySet(types) => index_statics(builder, scope, None, types),
         ExprKind::Struct(of) => struct_expr(builder, scope, of),
         ExprKind::Update(update) => index_update(builder, scope, update),
+    }
+}
+
+fn index_quantified<'a>(builder: &mut Builder<'a>, scope: ScopeId, of: &'a Quantified) {
+    for var in &of.vars {
+        index_ty(builder, scope, &var.ty);
+    }
+    let names = of.vars.iter().flat_map(|var| &var.names);
+    binder_expr(builder, scope, names.map(|name| &name.name), &of.condition);
+}
+
+fn index_match<'a>(builder: &mut Builder<'a>, scope: ScopeId, of: &'a Match) {
+    index_expr(builder, scope, &of.value);
+    for arm in &of.arms {
+        let name = &arm.pattern.name;
+        index_name(builder, scope, &name.name, name.span);
+        let parts = arm.pattern.parts.iter().flat_map(Pattern::names);
+        binder_expr(builder, scope, parts.map(|name| &name.name), &arm.then);
     }
 }
 
