@@ -17,8 +17,8 @@ use rpi_host::recording::{Taped, Wanted, Written, record};
 use rpi_sim::Cell;
 
 use crate::cycle::Cycle;
-use crate::desk::{Office, bank};
 use crate::limits::{Limits, OnLoss};
+use crate::state::{Office, bank};
 use crate::wire::{Guard, Identity, Reception, Strangers};
 
 /// Interval at which the server state is updated from the cycle's reports.
@@ -308,7 +308,7 @@ impl Server {
         };
         self.run(cycle, settings.real_time)?;
         let (over, keeper) = (Arc::clone(&self.over), office.clone());
-        self.spawn("rpi-desk", move || {
+        self.spawn("rpi-state", move || {
             while !over.load(Ordering::Relaxed) {
                 keeper.desk().keep();
                 thread::sleep(KEEP);
@@ -450,8 +450,8 @@ impl Drop for Server {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::desk::{Language, Load, Sink, Update};
     use crate::peer::Peer;
+    use crate::state::{Language, Load, Sink, Update};
 
     /// A net that moves an axis of the arm back and forth for ever.
     const SWING: &str = "{t=Core::Clock(Increment='1.0'),c=Core::DoubleCos(inValue=t.outValue),\

@@ -6,9 +6,9 @@ use super::message::{Arg, Message};
 use super::parse;
 use super::sink::DioSink;
 use crate::condition::{self, Expr, Saying};
-use crate::desk::{Client, Failure, Language, Load, Make, Office, Reply, TOO_CURIOUS, Watching};
 use crate::limits::OnLoss;
 use crate::peer::Peer;
+use crate::state::{Client, Failure, Language, Load, Make, Office, Reply, TOO_CURIOUS, Watching};
 use crate::wire::{Front, Outbox};
 
 /// Supported protocol version; all versions with the same major number are accepted.
@@ -190,7 +190,7 @@ impl DioFront {
     fn one_net(
         &mut self,
         message: &Message,
-        what: impl FnOnce(&mut crate::desk::Desk, &str, Reply),
+        what: impl FnOnce(&mut crate::state::ServerState, &str, Reply),
     ) -> Result<(), Failure> {
         let net = text(message, 0)?;
         self.may_act([&net].into_iter())?;

@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use serde_json::{Value, json};
 
-use crate::desk::Failure;
+use crate::state::Failure;
 use crate::wire::Outbox;
 
 /// Destination of the answer to a request.

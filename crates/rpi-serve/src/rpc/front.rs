@@ -4,8 +4,8 @@ use serde_json::{Value, json};
 
 use super::answers::Answers;
 use super::methods::{METHODS, Method};
-use crate::desk::{Client, Failure, Office, Reply};
 use crate::peer::Peer;
+use crate::state::{Client, Failure, Office, Reply};
 use crate::wire::{Front, Outbox};
 
 /// JSON-RPC connection of one client.

@@ -10,11 +10,11 @@ use super::front::{Answer, Call, RpcFront, meant};
 use super::sink::{self, RpcSink};
 use super::tasks;
 use crate::condition::{self, Expr, Saying};
-use crate::desk::{
-    Desk, Failure, Language, Load, Make, NewDevice, PARAMETERS, Record, Reply, TOO_CURIOUS,
+use crate::limits::OnLoss;
+use crate::state::{
+    Failure, Language, Load, Make, NewDevice, PARAMETERS, Record, Reply, ServerState, TOO_CURIOUS,
     Watching,
 };
-use crate::limits::OnLoss;
 
 type Act = fn(&mut RpcFront, &Call<'_>) -> Answer;
 
@@ -48,16 +48,16 @@ pub(super) const METHODS: &[Method] = &[
         load,
     ),
     method("command.start", COMMAND, |front, call| {
-        one(front, call, Desk::start)
+        one(front, call, ServerState::start)
     }),
     method("command.cancel", COMMAND, |front, call| {
-        one(front, call, Desk::cancel)
+        one(front, call, ServerState::cancel)
     }),
     method("command.abort", COMMAND, |front, call| {
-        one(front, call, Desk::abort)
+        one(front, call, ServerState::abort)
     }),
     method("command.unload", COMMAND, |front, call| {
-        one(front, call, Desk::unload)
+        one(front, call, ServerState::unload)
     }),
     method("command.set", &["command", "values"], set),
     method("command.describe", COMMAND, describe),
@@ -92,13 +92,13 @@ pub(super) const METHODS: &[Method] = &[
         tasks::load,
     ),
     method("task.start", TASK, |front, call| {
-        tasks::one(front, call, Desk::start_task)
+        tasks::one(front, call, ServerState::start_task)
     }),
     method("task.cancel", TASK, |front, call| {
-        tasks::one(front, call, Desk::cancel_task)
+        tasks::one(front, call, ServerState::cancel_task)
     }),
     method("task.unload", TASK, |front, call| {
-        tasks::one(front, call, Desk::unload_task)
+        tasks::one(front, call, ServerState::unload_task)
     }),
     method("task.describe", TASK, tasks::describe),
     method("tasks", &[], tasks::list),
@@ -152,7 +152,7 @@ fn load(front: &mut RpcFront, call: &Call<'_>) -> Answer {
     Ok(None)
 }
 
-fn one(front: &mut RpcFront, call: &Call<'_>, what: fn(&mut Desk, &str, Reply)) -> Answer {
+fn one(front: &mut RpcFront, call: &Call<'_>, what: fn(&mut ServerState, &str, Reply)) -> Answer {
     let reply = call.later(|_| json!({}));
     let command = call.text("command")?;
     front.may_act(&[command])?;
@@ -214,7 +214,7 @@ fn description(record: &Record) -> Value {
         told["inputs"] = inputs.collect();
         let exports = image.exports.iter().map(|e| port(&e.key, e.value.ty));
         told["exports"] = exports.collect();
-        told["results"] = json!(crate::desk::results(image));
+        told["results"] = json!(crate::state::results(image));
     }
     told
 }

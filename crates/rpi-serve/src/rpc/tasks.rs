@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use super::front::{Answer, Call, RpcFront};
 use super::sink;
-use crate::desk::{Desk, Failure};
+use crate::state::{Failure, ServerState};
 
 /// Loads a task of a program.
 pub(super) fn load(front: &mut RpcFront, call: &Call<'_>) -> Answer {
@@ -20,7 +20,7 @@ pub(super) fn load(front: &mut RpcFront, call: &Call<'_>) -> Answer {
 pub(super) fn one(
     front: &mut RpcFront,
     call: &Call<'_>,
-    what: fn(&mut Desk, &str) -> Result<(), Failure>,
+    what: fn(&mut ServerState, &str) -> Result<(), Failure>,
 ) -> Answer {
     let task = call.text("task")?;
     front.may_act(&[task])?;

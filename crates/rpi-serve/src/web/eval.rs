@@ -6,8 +6,8 @@ use std::time::Duration;
 
 use super::response::Response;
 use super::xml::Xml;
-use crate::desk::{Failure, NewDevice, Office, Reply};
 use crate::peer::Peer;
+use crate::state::{Failure, NewDevice, Office, Reply};
 
 type Form = BTreeMap<String, String>;
 

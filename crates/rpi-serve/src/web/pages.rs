@@ -8,7 +8,7 @@ use rpi_prims::registry;
 use super::net;
 use super::response::Response;
 use super::xml::Xml;
-use crate::desk::{Failure, Office};
+use crate::state::{Failure, Office};
 
 /// Index page, shown at `/`.
 const INDEX: &str = "RPI control core\n\n\

@@ -16,12 +16,12 @@ use super::head::{Head, is_pause};
 use super::outbox::{Outbox, outbox};
 use super::strangers::{Strangers, Why};
 use super::tls::Identity;
-use crate::desk::Office;
 use crate::dio::DioFront;
 use crate::fair::Taken;
 use crate::limits::Limits;
 use crate::peer::Peer;
 use crate::rpc::RpcFront;
+use crate::state::Office;
 use crate::web;
 
 /// State shared by all connections.

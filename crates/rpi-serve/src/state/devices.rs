@@ -11,7 +11,7 @@ use rpi_sim::cell::{ArmSpec, DeviceSpec, Enforced, Kind};
 use rpi_sim::{Cell, Part};
 
 use super::owed::Debt;
-use super::{Desk, DeviceInfo, Failure, Phase, Reply, Sink, Then, Update};
+use super::{DeviceInfo, Failure, Phase, Reply, ServerState, Sink, Then, Update};
 use crate::fair::Taken;
 use crate::peer::Peer;
 
@@ -103,7 +103,7 @@ pub(crate) struct NewDevice<'a> {
     pub(crate) parameters: &'a BTreeMap<String, String>,
 }
 
-impl Desk {
+impl ServerState {
     /// Returns all devices.
     pub(crate) fn devices(&self) -> impl Iterator<Item = &DeviceInfo> {
         self.devices.places.iter().flatten()

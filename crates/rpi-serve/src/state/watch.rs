@@ -7,7 +7,7 @@ use rpi_host::control::{Board, State};
 use rpi_image::image::Export;
 use rpi_net::literal;
 
-use super::{Desk, Failure, Phase, Record, Sink, Status, Update};
+use super::{Failure, Phase, Record, ServerState, Sink, Status, Update};
 
 /// A request to subscribe to a command.
 pub(crate) struct Watching {
@@ -75,7 +75,7 @@ const HELD: Duration = Duration::from_millis(200);
 /// Minimum period of a subscription.
 const LEAST: Duration = Duration::from_millis(1);
 
-impl Desk {
+impl ServerState {
     /// Subscribes to a command: reports its state now and at each change, and its exports.
     pub(crate) fn watch(&mut self, name: &str, watching: Watching) -> Result<(), Failure> {
         let (number, _) = self.find(name)?;

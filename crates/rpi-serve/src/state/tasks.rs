@@ -11,7 +11,9 @@ use super::loader::{Job, Origin, What};
 use super::place::Place;
 use super::shop::Shop;
 use super::types::shortened;
-use super::{Desk, Failure, Load, Phase, Reply, Sink, Update, answer, cause, number_of, why};
+use super::{
+    Failure, Load, Phase, Reply, ServerState, Sink, Update, answer, cause, number_of, why,
+};
 use crate::limits::OnLoss;
 use crate::script::Script;
 
@@ -116,7 +118,7 @@ impl TaskRecord {
     }
 }
 
-impl Desk {
+impl ServerState {
     /// Loads a task on the loader thread. The reply has its name.
     pub(crate) fn load_task(&mut self, load: &Load<'_>, reply: Reply) {
         let room = self.session(load.session);

@@ -14,7 +14,7 @@ use rpi_image::{PortType, Role, Scalar, Value};
 use rpi_net::passes::Conjunction;
 use rpi_net::{Net, Node};
 
-use super::{Desk, Phase, Record};
+use super::{Phase, Record, ServerState};
 
 /// For each Boolean export of a net, the conjunction of flows under which it is true.
 #[derive(Clone, Debug, Default)]
@@ -81,7 +81,7 @@ fn is_boolean(node: &Node) -> bool {
     port.is_some_and(|p| matches!(p.ty, PortType::One(Scalar::Bool)))
 }
 
-impl Desk {
+impl ServerState {
     /// Called when a rule has fired: determines the completion result of each command that it stopped in favour of a
     /// successor.
     pub(super) fn note_takeover(&mut self, rule: RuleId) {

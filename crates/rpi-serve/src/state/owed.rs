@@ -8,7 +8,7 @@ use std::collections::VecDeque;
 
 use rpi_host::control::{CommandId, Rejected, RuleId, Why};
 
-use super::{Desk, Failure, Then};
+use super::{Failure, ServerState, Then};
 
 /// Deferred operation on a command.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -36,7 +36,7 @@ enum Owing {
     Rule(RuleId),
 }
 
-impl Desk {
+impl ServerState {
     /// Applies an operation to a command in the table, as soon as the queue has room.
     pub(super) fn owe(&mut self, number: u64, debt: Debt) {
         if let Some(id) = self.commands.get(&number).and_then(|r| r.id) {

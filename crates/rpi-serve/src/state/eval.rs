@@ -4,7 +4,7 @@ use rpi_host::control::{State, Why};
 
 use super::owed::Debt;
 use super::watch::texts;
-use super::{Desk, Failure, Language, Load, Phase, Reply, Then};
+use super::{Failure, Language, Load, Phase, Reply, ServerState, Then};
 
 /// Callback for the exports after one cycle: key and value.
 pub(crate) type Take = Box<dyn FnOnce(Vec<(String, String)>) + Send>;
@@ -19,7 +19,7 @@ pub(crate) struct Eval {
 /// Session number of evaluations, which belong to no session.
 const NOBODY: u64 = 0;
 
-impl Desk {
+impl ServerState {
     /// Runs a net for one cycle. It must not need an actuator that another command holds.
     pub(crate) fn eval(&mut self, text: &str, take: Take, reply: Reply) {
         let load = Load {

@@ -16,7 +16,7 @@ use super::eval::Eval;
 use super::loader::{Job, Language, Loaded, Made, Origin, What};
 use super::types::shortened;
 use super::watch::Subscription;
-use super::{Desk, Failure, Phase, Reply, Status, Then, answer, number_of};
+use super::{Failure, Phase, Reply, ServerState, Status, Then, answer, number_of};
 
 /// State of a command in the server.
 pub(crate) struct Record {
@@ -69,7 +69,7 @@ pub(crate) struct Load<'a> {
     pub(crate) on_overrun: Option<OnOverrun>,
 }
 
-impl Desk {
+impl ServerState {
     /// Loads a command on the loader thread. The reply has its name.
     pub(crate) fn load(&mut self, load: &Load<'_>, reply: Reply) {
         match self.session(load.session) {

@@ -7,7 +7,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use super::{Desk, Failure, Reply, Sink, Then, Update};
+use super::{Failure, Reply, ServerState, Sink, Then, Update};
 
 /// State of the emergency stop.
 #[derive(Default)]
@@ -24,7 +24,7 @@ pub(crate) struct Emergency {
 /// Maximum number of characters kept of the requester's name.
 const LONGEST: usize = 200;
 
-impl Desk {
+impl ServerState {
     /// Returns the flag that the cycle reads.
     pub(crate) fn alarm(&self) -> Arc<AtomicBool> {
         Arc::clone(&self.emergency.alarm)

@@ -4,7 +4,7 @@ use rpi_host::control::{State, Why};
 
 use super::owed::Debt;
 use super::types::shortened;
-use super::{Desk, Failure, Phase, Sink, Update, number_of};
+use super::{Failure, Phase, ServerState, Sink, Update, number_of};
 use crate::fair::{Client, Holder, Taken};
 use crate::limits::OnLoss;
 use crate::peer::Peer;
@@ -33,7 +33,7 @@ impl Session {
     }
 }
 
-impl Desk {
+impl ServerState {
     /// Registers a connection as a client.
     pub(crate) fn client(&mut self, peer: Peer) -> Client {
         Client::new(self.number(), peer)

@@ -3,14 +3,14 @@
 
 use super::owed::Debt;
 use super::types::MEMORY;
-use super::{Desk, Failure, Phase, Record};
+use super::{Failure, Phase, Record, ServerState};
 use crate::fair::{Client, Holder, Taken};
 use rpi_host::control::State;
 
 /// Session number of commands that are only waiting to be freed.
 const NOBODY: u64 = 0;
 
-impl Desk {
+impl ServerState {
     /// Makes room for a command or task with this many bytes of text.
     pub(super) fn has_room(&mut self, session: u64, text: usize) -> Result<(), Failure> {
         self.fits(session, |desk, client| {
@@ -48,7 +48,7 @@ impl Desk {
     fn fits(
         &mut self,
         session: u64,
-        admit: impl Fn(&Desk, Option<Client>) -> Result<(), Failure>,
+        admit: impl Fn(&ServerState, Option<Client>) -> Result<(), Failure>,
     ) -> Result<(), Failure> {
         let client = self.client_of(session);
         while let Err(why) = admit(self, client) {

@@ -1,6 +1,6 @@
 //! Server state: sessions, commands, rules, tasks, devices and subscriptions.
 //!
-//! The state is one struct behind one lock, which connections, the loader and the `rpi-desk` thread hold for short
+//! The state is one struct behind one lock, which connections, the loader and the `rpi-state` thread hold for short
 //! times. The cycle never takes the lock: requests go to it and events come from it through bounded queues.
 
 mod commands;
@@ -58,7 +58,7 @@ use sessions::Session;
 use tasks::TaskRecord;
 
 /// The server state.
-pub(crate) struct Desk {
+pub(crate) struct ServerState {
     pub(crate) limits: Limits,
     pub(crate) tick_ns: u64,
     /// Policy for the commands of a session whose client has disconnected, unless the client specifies one.
@@ -113,7 +113,7 @@ enum Then {
 
 /// Shared handle of the server state.
 #[derive(Clone)]
-pub(crate) struct Office(Arc<Mutex<Desk>>);
+pub(crate) struct Office(Arc<Mutex<ServerState>>);
 
 impl fmt::Debug for Office {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -137,7 +137,7 @@ impl Office {
             generation: 0,
         }));
         let jobs = Arc::new(Queue::new(limits.loads));
-        let office = Office(Arc::new(Mutex::new(Desk {
+        let office = Office(Arc::new(Mutex::new(ServerState {
             limits,
             tick_ns,
             on_loss: settings.on_loss,
@@ -174,7 +174,7 @@ impl Office {
     }
 
     /// Locks the state. A poisoned lock is taken over, so that a crashed connection does not end the server.
-    pub(crate) fn desk(&self) -> MutexGuard<'_, Desk> {
+    pub(crate) fn desk(&self) -> MutexGuard<'_, ServerState> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -190,7 +190,7 @@ pub(crate) fn bank(cell: &Cell, places: usize, tick_ns: u64) -> SimBank {
     bank
 }
 
-impl Desk {
+impl ServerState {
     /// Returns the latest log lines.
     pub(crate) fn log(&self) -> String {
         self.journal.text()
@@ -238,7 +238,7 @@ impl Desk {
     }
 }
 
-impl Drop for Desk {
+impl Drop for ServerState {
     fn drop(&mut self) {
         self.jobs.close();
     }

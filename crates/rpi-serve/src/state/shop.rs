@@ -11,11 +11,11 @@ use rpi_image::Image;
 use super::commands::Record;
 use super::owed::Debt;
 use super::tasks::TaskRecord;
-use super::{Desk, Phase};
+use super::{Phase, ServerState};
 
 /// The core as seen by a running task.
 pub(super) struct Shop<'d> {
-    pub(super) desk: &'d mut Desk,
+    pub(super) desk: &'d mut ServerState,
     /// Number of the task.
     pub(super) number: u64,
 }

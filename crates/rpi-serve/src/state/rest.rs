@@ -2,9 +2,9 @@
 
 use rpi_host::control::State;
 
-use super::{Desk, Phase, Then};
+use super::{Phase, ServerState, Then};
 
-impl Desk {
+impl ServerState {
     /// Aborts all commands and drops all rules. Moving devices brake within their own limits.
     pub(crate) fn stop_everything(&mut self) {
         let ticket = self.control.emergency_stop();

@@ -13,9 +13,9 @@ use super::owed::Debt;
 use super::place::Place;
 use super::rules::RuleRecord;
 use super::types::why;
-use super::{Desk, Errand, Failure, Phase, Record, RuleState, Then, answer, cause};
+use super::{Errand, Failure, Phase, Record, RuleState, ServerState, Then, answer, cause};
 
-impl Desk {
+impl ServerState {
     /// Processes all pending events and due updates. Called periodically outside the cycle thread.
     pub(crate) fn keep(&mut self) {
         while let Some(event) = self.control.poll() {

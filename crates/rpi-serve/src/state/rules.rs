@@ -6,7 +6,7 @@ use rpi_host::control::{CommandId, Condition, Fact, Rule, RuleId};
 use rpi_image::{Scalar, Type};
 
 use super::commands::results;
-use super::{Client, Desk, Failure, Reply, RuleState, Sink, Then, Update, number_of};
+use super::{Client, Failure, Reply, RuleState, ServerState, Sink, Then, Update, number_of};
 use crate::condition::{Expr, Saying};
 use crate::fair::{Holder, Taken};
 
@@ -55,7 +55,7 @@ const SAID: &str = "facts and commands in all rules";
 /// Number of inactive rules that are kept, for clients that subscribe late.
 const REMEMBERED: usize = 4096;
 
-impl Desk {
+impl ServerState {
     /// Makes a rule. The reply has its name.
     pub(crate) fn make_rule(&mut self, make: &Make<'_>, reply: Reply) {
         if let Err(why) = self.may_start().or_else(|why| match make.start {
