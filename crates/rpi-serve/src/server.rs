@@ -302,7 +302,7 @@ impl Server {
             watch,
             around_tick: settings.around_tick,
             over: Arc::clone(&self.over),
-            alarm: office.desk().alarm(),
+            alarm: office.desk().emergency.alarm(),
             camera,
             lost: Arc::clone(&self.lost),
         };
@@ -372,7 +372,7 @@ impl Server {
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
         let office = self.office.as_ref();
-        office.map_or_else(Vec::new, |office| office.desk().warnings())
+        office.map_or_else(Vec::new, |office| office.desk().log.warnings())
     }
 
     /// Returns the listening address.
@@ -461,7 +461,7 @@ mod tests {
 
     /// Starts a command on the server and waits until the arm moves.
     fn swing(office: &Office) {
-        let client = office.desk().client(Peer::Here);
+        let client = office.desk().objects.client(Peer::Here);
         let session = office.desk().open_session("test", None, (client, true));
         let session = session.unwrap();
         let load = Load {
@@ -481,7 +481,7 @@ mod tests {
         };
         office.desk().load(&load, Box::new(started));
         let begin = Instant::now();
-        while !office.desk().devices().any(|info| info.moving) {
+        while !office.desk().devices.all().any(|info| info.moving) {
             assert!(
                 begin.elapsed() < Duration::from_secs(30),
                 "it does not move"
@@ -514,11 +514,14 @@ mod tests {
         let server = Server::open(&cell, &settings, ()).unwrap();
         let office = server.office.clone().unwrap();
         let mut desk = office.desk();
-        let client = desk.client(Peer::Here);
+        let client = desk.objects.client(Peer::Here);
         let session = desk.open_session("test", None, (client, true)).unwrap();
-        desk.watch_emergency(Box::new(Deaf));
-        desk.watch_devices(Box::new(Deaf));
-        desk.watch_session(&session, Box::new(Deaf)).unwrap();
+        desk.emergency.watch(Box::new(Deaf));
+        desk.devices.watch(Box::new(Deaf));
+        desk.objects
+            .sessions
+            .watch(&session, Box::new(Deaf))
+            .unwrap();
         assert_eq!(desk.watching(), 3);
         desk.lose_client(client, &[]);
         assert_eq!(desk.watching(), 0);
@@ -537,6 +540,6 @@ mod tests {
         let office = server.office.clone().unwrap();
         swing(&office);
         server.close().unwrap();
-        assert!(!office.desk().devices().any(|info| info.moving));
+        assert!(!office.desk().devices.all().any(|info| info.moving));
     }
 }

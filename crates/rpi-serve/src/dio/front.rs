@@ -95,7 +95,7 @@ impl Drop for DioFront {
 
 impl DioFront {
     pub(crate) fn new(office: Office, peer: Peer, out: Outbox) -> DioFront {
-        let client = office.desk().client(peer);
+        let client = office.desk().objects.client(peer);
         DioFront {
             office,
             client,
@@ -109,7 +109,7 @@ impl DioFront {
     fn may_act<'n>(&self, names: impl Iterator<Item = &'n &'n str>) -> Result<(), Failure> {
         let (desk, client) = (self.office.desk(), self.client);
         let mut names = names;
-        names.try_for_each(|name| desk.may_act(client, name))
+        names.try_for_each(|name| desk.objects.may_act(client, name))
     }
 
     fn ok(&self, tag: &str, result: &str) -> bool {
@@ -180,7 +180,7 @@ impl DioFront {
         };
         self.may_act([&load.session].into_iter())?;
         let mut desk = self.office.desk();
-        if desk.take_up(load.session, self.client) {
+        if desk.objects.sessions.take_up(load.session, self.client) {
             self.sessions.push(load.session.to_owned());
         }
         desk.load(&load, self.reply(&message.tag));
@@ -209,7 +209,7 @@ impl DioFront {
             // In this protocol, the client that loaded a net also unloads it.
             keep: true,
         };
-        self.office.desk().may_say(&make)?;
+        self.office.desk().rules.may_say(&make)?;
         self.may_act(make.stop.iter().chain(make.cancel).chain(make.start))?;
         self.office
             .desk()
@@ -244,15 +244,19 @@ impl DioFront {
             sink: self.sink(&message.tag)?,
         };
         let mut desk = self.office.desk();
-        desk.find(net)?;
+        desk.objects.commands.find(net)?;
         // The client expects `ok` before the first update.
         self.ok(&message.tag, "");
-        desk.watch(net, watching)
+        desk.objects.commands.watch(net, watching)
     }
 
     fn watch_session(&mut self, message: &Message) -> Result<(), Failure> {
         let sink = self.sink(&message.tag)?;
-        self.office.desk().watch_session(text(message, 0)?, sink)?;
+        self.office
+            .desk()
+            .objects
+            .sessions
+            .watch(text(message, 0)?, sink)?;
         self.ok(&message.tag, "");
         Ok(())
     }
@@ -260,7 +264,7 @@ impl DioFront {
     fn watch_rule(&mut self, message: &Message) -> Result<(), Failure> {
         let (rule, sink) = (text(message, 0)?, self.sink(&message.tag)?);
         let mut desk = self.office.desk();
-        desk.find_rule(rule)?;
+        desk.rules.find_rule(rule)?;
         self.ok(&message.tag, "");
         desk.watch_rule(rule, sink)
     }
@@ -268,7 +272,7 @@ impl DioFront {
     fn watch_devices(&mut self, message: &Message) -> Result<(), Failure> {
         let sink = self.sink(&message.tag)?;
         self.ok(&message.tag, "");
-        self.office.desk().watch_devices(sink);
+        self.office.desk().devices.watch(sink);
         Ok(())
     }
 }

@@ -66,7 +66,7 @@ impl Drop for RpcFront {
 
 impl RpcFront {
     pub(crate) fn new(office: Office, peer: Peer, out: Outbox) -> RpcFront {
-        let client = office.desk().client(peer);
+        let client = office.desk().objects.client(peer);
         RpcFront {
             office,
             client,
@@ -113,7 +113,7 @@ impl RpcFront {
         let desk = self.office.desk();
         names
             .iter()
-            .try_for_each(|name| desk.may_act(self.client, name))
+            .try_for_each(|name| desk.objects.may_act(self.client, name))
     }
 }
 

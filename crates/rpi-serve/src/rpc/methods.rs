@@ -185,9 +185,9 @@ fn literal(value: &Value) -> String {
 
 fn describe(front: &mut RpcFront, call: &Call<'_>) -> Answer {
     let desk = front.office.desk();
-    let (_, record) = desk.find(call.text("command")?)?;
+    let (_, record) = desk.objects.commands.find(call.text("command")?)?;
     let mut told = description(record);
-    if let Some(bound_ns) = desk.bound_ns(record) {
+    if let Some(bound_ns) = desk.core.bound_ns(record) {
         told["bound"] = json!(seconds(bound_ns));
     }
     Ok(Some(told))
@@ -262,7 +262,7 @@ fn make_rule(front: &mut RpcFront, call: &Call<'_>) -> Answer {
         maker: front.client,
         keep: call.flag("keep")?,
     };
-    front.office.desk().may_say(&make)?;
+    front.office.desk().rules.may_say(&make)?;
     [make.stop, make.cancel, make.start]
         .iter()
         .try_for_each(|names| front.may_act(names))?;
@@ -288,9 +288,9 @@ fn watch_command(front: &mut RpcFront, call: &Call<'_>) -> Answer {
         sink: front.sink(Some(("command", name)))?,
     };
     let mut desk = front.office.desk();
-    desk.find(name)?;
+    desk.objects.commands.find(name)?;
     call.answer(json!({}));
-    desk.watch(name, watching)?;
+    desk.objects.commands.watch(name, watching)?;
     Ok(None)
 }
 
@@ -298,7 +298,7 @@ fn watch_rule(front: &mut RpcFront, call: &Call<'_>) -> Answer {
     let name = call.text("rule")?;
     let sink = front.sink(Some(("rule", name)))?;
     let mut desk = front.office.desk();
-    desk.find_rule(name)?;
+    desk.rules.find_rule(name)?;
     call.answer(json!({}));
     desk.watch_rule(name, sink)?;
     Ok(None)
@@ -307,20 +307,20 @@ fn watch_rule(front: &mut RpcFront, call: &Call<'_>) -> Answer {
 fn watch_session(front: &mut RpcFront, call: &Call<'_>) -> Answer {
     let name = call.text("session")?;
     let sink = front.sink(Some(("session", name)))?;
-    front.office.desk().watch_session(name, sink)?;
+    front.office.desk().objects.sessions.watch(name, sink)?;
     Ok(Some(json!({})))
 }
 
 fn watch_devices(front: &mut RpcFront, call: &Call<'_>) -> Answer {
     let sink = front.sink(None)?;
     call.answer(json!({}));
-    front.office.desk().watch_devices(sink);
+    front.office.desk().devices.watch(sink);
     Ok(None)
 }
 
 fn list_devices(front: &mut RpcFront, _: &Call<'_>) -> Answer {
     let desk = front.office.desk();
-    let devices: Value = desk.devices().map(sink::device).collect();
+    let devices: Value = desk.devices.all().map(sink::device).collect();
     Ok(Some(json!({"devices": devices})))
 }
 
@@ -358,7 +358,7 @@ fn remove_device(front: &mut RpcFront, call: &Call<'_>) -> Answer {
 
 fn list_commands(front: &mut RpcFront, _: &Call<'_>) -> Answer {
     let desk = front.office.desk();
-    let told = desk.commands().map(|(name, record)| {
+    let told = desk.objects.commands.all().map(|(name, record)| {
         let mut told = sink::status(&record.status);
         told["command"] = json!(name);
         told["title"] = json!(record.title);
@@ -371,7 +371,13 @@ impl RpcFront {
     /// Takes over a session whose client has disconnected. Returns an error if the session belongs to another client.
     pub(super) fn take_up(&mut self, session: &str) -> Result<(), Failure> {
         self.may_act(&[session])?;
-        if self.office.desk().take_up(session, self.client) {
+        if self
+            .office
+            .desk()
+            .objects
+            .sessions
+            .take_up(session, self.client)
+        {
             self.sessions.push(session.to_owned());
         }
         Ok(())
@@ -417,7 +423,7 @@ impl<'a> Call<'a> {
         front: &RpcFront,
         asked_ns: u64,
     ) -> impl FnOnce(&str, String) -> Value + Send + 'static {
-        let period_ns = front.office.desk().period(asked_ns);
+        let period_ns = front.office.desk().defaults.period(asked_ns);
         move |kind, name| {
             let mut told = json!({"period": period_ns as f64 * 1e-9});
             told[kind] = json!(name);

@@ -30,22 +30,24 @@ pub(super) fn one(
 
 pub(super) fn describe(front: &mut RpcFront, call: &Call<'_>) -> Answer {
     let desk = front.office.desk();
-    Ok(Some(sink::task(desk.task_status(call.text("task")?)?)))
+    Ok(Some(sink::task(
+        desk.objects.tasks.status(call.text("task")?)?,
+    )))
 }
 
 pub(super) fn watch(front: &mut RpcFront, call: &Call<'_>) -> Answer {
     let name = call.text("task")?;
     let sink = front.sink(Some(("task", name)))?;
     let mut desk = front.office.desk();
-    desk.task_status(name)?;
+    desk.objects.tasks.status(name)?;
     call.answer(json!({}));
-    desk.watch_task(name, sink)?;
+    desk.objects.tasks.watch(name, sink)?;
     Ok(None)
 }
 
 pub(super) fn list(front: &mut RpcFront, _: &Call<'_>) -> Answer {
     let desk = front.office.desk();
-    let tasks = desk.tasks().map(|(name, title, status)| {
+    let tasks = desk.objects.tasks.all().map(|(name, title, status)| {
         let mut told = sink::task(status);
         told["task"] = json!(name);
         told["title"] = json!(title);
@@ -70,12 +72,12 @@ pub(super) fn reset(front: &mut RpcFront, _: &Call<'_>) -> Answer {
 }
 
 pub(super) fn state(front: &mut RpcFront, _: &Call<'_>) -> Answer {
-    Ok(Some(sink::emergency(front.office.desk().emergency_by())))
+    Ok(Some(sink::emergency(front.office.desk().emergency.by())))
 }
 
 pub(super) fn watch_emergency(front: &mut RpcFront, call: &Call<'_>) -> Answer {
     let sink = front.sink(None)?;
     call.answer(json!({}));
-    front.office.desk().watch_emergency(sink);
+    front.office.desk().emergency.watch(sink);
     Ok(None)
 }

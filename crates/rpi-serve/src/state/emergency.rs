@@ -7,7 +7,10 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use super::{Failure, Reply, ServerState, Sink, Then, Update};
+use super::core_link::CoreLink;
+use super::pending::{Then, answer};
+use super::subscribers::Subscribers;
+use super::types::{Failure, Reply, Sink, Update};
 
 /// State of the emergency stop.
 #[derive(Default)]
@@ -18,96 +21,94 @@ pub(crate) struct Emergency {
     waits: bool,
     /// Who requested the stop; `None` after a reset.
     by: Option<String>,
-    pub(super) watchers: Vec<Box<dyn Sink>>,
+    pub(super) watchers: Subscribers,
 }
 
 /// Maximum number of characters kept of the requester's name.
 const LONGEST: usize = 200;
 
-impl ServerState {
+/// Returns the name of a requester in the form that is kept and logged: one line of limited length.
+pub(super) fn requester(by: &str) -> String {
+    by.chars()
+        .filter(|c| !c.is_control())
+        .take(LONGEST)
+        .collect()
+}
+
+impl Emergency {
     /// Returns the flag that the cycle reads.
     pub(crate) fn alarm(&self) -> Arc<AtomicBool> {
-        Arc::clone(&self.emergency.alarm)
+        Arc::clone(&self.alarm)
     }
 
     /// Returns who requested the emergency stop in force.
-    pub(crate) fn emergency_by(&self) -> Option<&str> {
-        self.emergency.by.as_deref()
+    pub(crate) fn by(&self) -> Option<&str> {
+        self.by.as_deref()
     }
 
-    /// Stops everything. The reply is sent once no earlier request can start anything any more.
-    pub(crate) fn emergency_stop(&mut self, by: &str, reply: Reply) {
-        let by: String = by
-            .chars()
-            .filter(|c| !c.is_control())
-            .take(LONGEST)
-            .collect();
-        self.journal.note(format_args!("EMERGENCY STOP by {by}"));
-        self.emergency.alarm.store(true, Ordering::Relaxed);
+    /// Sets the flag: the cycle stops everything in its next tick.
+    pub(super) fn raise(&mut self, by: String) {
+        self.alarm.store(true, Ordering::Relaxed);
         // The first requester is kept.
-        self.emergency.by.get_or_insert(by);
-        self.stop_tasks();
-        self.ask_behind(Some(reply));
-        self.tell_emergency();
+        self.by.get_or_insert(by);
     }
 
     /// Sends the stop as an ordinary request too, which is carried out after all pending ones.
-    fn ask_behind(&mut self, reply: Option<Reply>) {
-        let ticket = self.control.emergency_stop();
-        self.emergency.waits = ticket.is_err();
+    pub(super) fn ask_behind(&mut self, core: &mut CoreLink, reply: Option<Reply>) {
+        let ticket = core.control.emergency_stop();
+        self.waits = ticket.is_err();
         match ticket {
             Ok(ticket) => {
-                self.asked(Ok(ticket), Then::Stopped, reply);
+                core.asked(Ok(ticket), Then::Stopped, reply);
             }
             // The flag has stopped everything already, so the client need not wait for the repeated request.
-            Err(_) => super::answer(reply, Ok(String::new())),
+            Err(_) => answer(reply, Ok(String::new())),
         }
     }
 
     /// Repeats the request if the queue was full.
-    pub(super) fn keep_stopped(&mut self) {
-        if self.emergency.waits {
-            self.ask_behind(None);
+    pub(super) fn keep_stopped(&mut self, core: &mut CoreLink) {
+        if self.waits {
+            self.ask_behind(core, None);
         }
     }
 
     /// Called when all earlier requests were carried out: clears the flag.
     pub(super) fn has_stopped(&mut self) {
-        self.emergency.alarm.store(false, Ordering::Relaxed);
+        self.alarm.store(false, Ordering::Relaxed);
     }
 
-    /// Resets the emergency stop: commands can be started again.
+    /// Resets the emergency stop: commands can be started again. Returns whether one was in force.
     ///
     /// # Errors
     /// If a device still moves or earlier requests are pending.
-    pub(crate) fn reset_emergency(&mut self) -> Result<(), Failure> {
-        let still = self.emergency.alarm.load(Ordering::Relaxed) || self.devices.move_still();
-        if self.emergency.by.is_some() && still {
+    pub(super) fn reset(&mut self, moving: bool) -> Result<bool, Failure> {
+        let still = self.alarm.load(Ordering::Relaxed) || moving;
+        if self.by.is_some() && still {
             return Err(Failure::InUse("devices are still braking".to_owned()));
         }
-        if self.emergency.by.take().is_some() {
-            self.journal
-                .note(format_args!("the emergency stop was reset"));
-            self.tell_emergency();
+        let was_stopped = self.by.take().is_some();
+        if was_stopped {
+            self.tell();
         }
-        Ok(())
+        Ok(was_stopped)
     }
 
     /// Subscribes to the emergency stop: reports its state now and at each change.
-    pub(crate) fn watch_emergency(&mut self, mut sink: Box<dyn Sink>) {
-        if sink.tell(&Update::Emergency(self.emergency_by())) {
-            self.emergency.watchers.push(sink);
-        }
+    pub(crate) fn watch(&mut self, sink: Box<dyn Sink>) {
+        let by = self.by.as_deref();
+        self.watchers.add(sink, &Update::Emergency(by));
     }
 
-    fn tell_emergency(&mut self) {
-        let Emergency { by, watchers, .. } = &mut self.emergency;
-        watchers.retain_mut(|sink| sink.tell(&Update::Emergency(by.as_deref())));
+    /// Reports the state to all subscribers.
+    pub(super) fn tell(&mut self) {
+        let by = self.by.as_deref();
+        self.watchers.tell(&Update::Emergency(by));
     }
 
     /// Returns an error if an emergency stop is in force.
     pub(super) fn may_start(&self) -> Result<(), Failure> {
-        match &self.emergency.by {
+        match &self.by {
             Some(by) => Err(Failure::Stopped(by.clone())),
             None => Ok(()),
         }

@@ -6,9 +6,9 @@
 
 use std::collections::VecDeque;
 
-use rpi_host::control::{CommandId, Rejected, RuleId, Why};
+use rpi_host::control::{CommandId, Control, Rejected, RuleId, Why};
 
-use super::{Failure, ServerState, Then};
+use super::pending::{PendingRequests, Then};
 
 /// Deferred operation on a command.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -21,69 +21,46 @@ pub(super) enum Debt {
     Unload,
 }
 
-/// Entries of the request queue reserved for the server itself.
-const RESERVED: usize = 1024;
-
-/// Requests that have not been sent yet, oldest first.
-#[derive(Default)]
-pub(super) struct Owed(VecDeque<Owing>);
-
 /// A deferred request.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-enum Owing {
+pub(super) enum Owing {
     Command(CommandId, Debt),
     /// Withdraw the rule.
     Rule(RuleId),
 }
 
-impl ServerState {
-    /// Applies an operation to a command in the table, as soon as the queue has room.
-    pub(super) fn owe(&mut self, number: u64, debt: Debt) {
-        if let Some(id) = self.commands.get(&number).and_then(|r| r.id) {
-            self.owe_by_id(id, debt);
+/// Requests that have not been sent yet, oldest first. No request is in the queue twice.
+#[derive(Default)]
+pub(super) struct Owed(VecDeque<Owing>);
+
+impl Owed {
+    /// Adds a request, unless it waits already.
+    pub(super) fn push(&mut self, owing: Owing) {
+        if !self.0.contains(&owing) {
+            self.0.push_back(owing);
         }
     }
 
-    pub(super) fn owe_by_id(&mut self, id: CommandId, debt: Debt) {
-        self.owe_it(Owing::Command(id, debt));
-    }
-
-    /// Withdraws a rule, as soon as the queue has room.
-    pub(super) fn owe_rule(&mut self, id: RuleId) {
-        self.owe_it(Owing::Rule(id));
-    }
-
-    fn owe_it(&mut self, owing: Owing) {
-        if !self.owed.0.contains(&owing) {
-            self.owed.0.push_back(owing);
-        }
-        self.pay();
-    }
-
-    /// Sends the deferred requests, as far as the queue has room.
-    pub(super) fn pay(&mut self) {
-        while let Some(owing) = self.owed.0.front().copied() {
+    /// Sends the requests, as far as the queue of the cycle has room.
+    pub(super) fn pay(&mut self, control: &mut Control, pending: &mut PendingRequests) {
+        while let Some(owing) = self.0.front().copied() {
             let asked = match owing {
-                Owing::Command(id, Debt::Cancel) => self.control.cancel(id),
-                Owing::Command(id, Debt::Abort(why)) => self.control.abort(id, why),
-                Owing::Command(id, Debt::Unload) => self.control.unload(id),
-                Owing::Rule(id) => self.control.withdraw(id),
+                Owing::Command(id, Debt::Cancel) => control.cancel(id),
+                Owing::Command(id, Debt::Abort(why)) => control.abort(id, why),
+                Owing::Command(id, Debt::Unload) => control.unload(id),
+                Owing::Rule(id) => control.withdraw(id),
             };
             if asked == Err(Rejected::Busy) {
                 return;
             }
-            self.owed.0.pop_front();
+            self.0.pop_front();
             // Any other error means that the command or rule is gone, so nothing is left to do.
-            self.asked(asked, Then::Nothing, None);
+            pending.track(asked, Then::Nothing, None);
         }
     }
 
-    /// Returns an error if only the reserved entries of the queue are free. Those are for deferred requests and running
-    /// tasks.
-    pub(super) fn may_ask(&self) -> Result<(), Failure> {
-        match self.owed.0.is_empty() && self.control.room() > RESERVED {
-            true => Ok(()),
-            false => Err(Failure::Busy),
-        }
+    /// Returns whether every request was sent.
+    pub(super) fn is_empty(&self) -> bool {
+        self.0.is_empty()
     }
 }

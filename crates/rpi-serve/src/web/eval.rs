@@ -68,8 +68,9 @@ pub(crate) fn session((office, peer): (&Office, Peer), name: &str, form: &Form) 
     }
     let mut desk = office.desk();
     // An HTTP request counts as a client without sessions.
-    let nobody = desk.client(peer);
+    let nobody = desk.objects.client(peer);
     let ended = desk
+        .objects
         .may_act(nobody, name)
         .and_then(|()| desk.abort_session(name));
     match ended {

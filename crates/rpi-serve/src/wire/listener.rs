@@ -140,7 +140,7 @@ impl Reception {
     /// Logs a rejected connection or request.
     fn note(&self, peer: Peer, why: Why) {
         if let Some(told) = self.strangers.note(peer, why) {
-            self.office.desk().warn(&told);
+            self.office.desk().log.warn(&told);
         }
     }
 
@@ -190,7 +190,7 @@ impl Reception {
     fn note_if_deaf(&self, end: End, peer: Peer) {
         if end == End::Deaf {
             let mut desk = self.office.desk();
-            desk.log_line(format_args!(
+            desk.log.note(format_args!(
                 "a client from {peer} is disconnected: it does not read its messages"
             ));
         }
