@@ -88,11 +88,11 @@ impl RpcFront {
             let why = format!("there is no method {name}{}", meant(name, known));
             return answers.error(-32601, &why, Value::Null);
         };
-        if method.params.is_some() && !is_ours {
+        if method.is_checked && !is_ours {
             let why = "invalid request: `\"jsonrpc\": \"2.0\"` is missing";
             return answers.for_somebody().error(-32600, why, Value::Null);
         }
-        if method.params.is_some() && !answers.has_good_id() {
+        if method.is_checked && !answers.has_good_id() {
             let why = "the id must be a text, a whole number or null";
             return answers.for_nobody().error(-32600, why, Value::Null);
         }
@@ -120,9 +120,11 @@ impl RpcFront {
 impl Call<'_> {
     /// Returns an error if a parameter is unknown. A misspelt optional parameter would otherwise be ignored.
     fn takes(&self, method: &Method) -> Result<(), Failure> {
-        let (given, known) = match (self.params, method.params) {
-            (Value::Null, _) | (_, None) => return Ok(()),
-            (Value::Object(given), Some(known)) => (given, known),
+        let known = method.params;
+        let given = match self.params {
+            _ if !method.is_checked => return Ok(()),
+            Value::Null => return Ok(()),
+            Value::Object(given) => given,
             _ => {
                 let why = "params: expected an object with the parameters by name";
                 return Err(Failure::Bad(why.to_owned()));

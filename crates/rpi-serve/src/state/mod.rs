@@ -57,7 +57,7 @@ use rpi_sim::{Cell, SimBank};
 
 pub(crate) use crate::fair::Client;
 use crate::limits::Limits;
-use crate::server::Settings;
+use crate::settings::Settings;
 
 pub(crate) use device_spec::{NewDevice, PARAMETERS};
 pub(crate) use loader::Language;
