@@ -354,18 +354,19 @@ mod tests {
         };
         let server = Server::open(&cell, &settings, ()).unwrap();
         let office = server.office.clone().unwrap();
-        let mut desk = office.desk();
-        let client = desk.objects.client(Peer::Here);
-        let session = desk.open_session("test", None, (client, true)).unwrap();
-        desk.emergency.watch(Box::new(Deaf));
-        desk.devices.watch(Box::new(Deaf));
-        desk.objects
+        let mut state = office.desk();
+        let client = state.objects.client(Peer::Here);
+        let session = state.open_session("test", None, (client, true)).unwrap();
+        state.emergency.watch(Box::new(Deaf));
+        state.devices.watch(Box::new(Deaf));
+        state
+            .objects
             .sessions
             .watch(&session, Box::new(Deaf))
             .unwrap();
-        assert_eq!(desk.watching(), 3);
-        desk.lose_client(client, &[]);
-        assert_eq!(desk.watching(), 0);
+        assert_eq!(state.watching(), 3);
+        state.lose_client(client, &[]);
+        assert_eq!(state.watching(), 0);
     }
 
     #[test]

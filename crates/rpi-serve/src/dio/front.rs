@@ -37,16 +37,16 @@ const REQUESTS: &[(&str, Handler)] = &[
     ("ase", DioFront::abort_session),
     ("nene", DioFront::new_net),
     ("nest", |front, m| {
-        front.one_net(m, |desk, net, reply| desk.start(net, reply))
+        front.one_net(m, |state, net, reply| state.start(net, reply))
     }),
     ("neca", |front, m| {
-        front.one_net(m, |desk, net, reply| desk.cancel(net, reply))
+        front.one_net(m, |state, net, reply| state.cancel(net, reply))
     }),
     ("neab", |front, m| {
-        front.one_net(m, |desk, net, reply| desk.abort(net, reply))
+        front.one_net(m, |state, net, reply| state.abort(net, reply))
     }),
     ("neun", |front, m| {
-        front.one_net(m, |desk, net, reply| desk.unload(net, reply))
+        front.one_net(m, |state, net, reply| state.unload(net, reply))
     }),
     ("nesc", DioFront::schedule),
     ("snc", DioFront::set_values),
@@ -107,9 +107,9 @@ impl DioFront {
     /// Checks that the client may act on these commands, tasks or sessions. Sessions of this protocol are shared with
     /// every client that knows their names; those of the native interface belong to one client.
     fn may_act<'n>(&self, names: impl Iterator<Item = &'n &'n str>) -> Result<(), Failure> {
-        let (desk, client) = (self.office.desk(), self.client);
+        let (state, client) = (self.office.desk(), self.client);
         let mut names = names;
-        names.try_for_each(|name| desk.objects.may_act(client, name))
+        names.try_for_each(|name| state.objects.may_act(client, name))
     }
 
     fn ok(&self, tag: &str, result: &str) -> bool {
@@ -179,11 +179,11 @@ impl DioFront {
             on_overrun: None,
         };
         self.may_act([&load.session].into_iter())?;
-        let mut desk = self.office.desk();
-        if desk.objects.sessions.take_up(load.session, self.client) {
+        let mut state = self.office.desk();
+        if state.objects.sessions.take_up(load.session, self.client) {
             self.sessions.push(load.session.to_owned());
         }
-        desk.load(&load, self.reply(&message.tag));
+        state.load(&load, self.reply(&message.tag));
         Ok(())
     }
 
@@ -243,11 +243,11 @@ impl DioFront {
             settle: SETTLE,
             sink: self.sink(&message.tag)?,
         };
-        let mut desk = self.office.desk();
-        desk.objects.commands.find(net)?;
+        let mut state = self.office.desk();
+        state.objects.commands.find(net)?;
         // The client expects `ok` before the first update.
         self.ok(&message.tag, "");
-        desk.objects.commands.watch(net, watching)
+        state.objects.commands.watch(net, watching)
     }
 
     fn watch_session(&mut self, message: &Message) -> Result<(), Failure> {
@@ -263,10 +263,10 @@ impl DioFront {
 
     fn watch_rule(&mut self, message: &Message) -> Result<(), Failure> {
         let (rule, sink) = (text(message, 0)?, self.sink(&message.tag)?);
-        let mut desk = self.office.desk();
-        desk.rules.find_rule(rule)?;
+        let mut state = self.office.desk();
+        state.rules.find_rule(rule)?;
         self.ok(&message.tag, "");
-        desk.watch_rule(rule, sink)
+        state.watch_rule(rule, sink)
     }
 
     fn watch_devices(&mut self, message: &Message) -> Result<(), Failure> {

@@ -7,6 +7,7 @@ use super::params::{an_object, literal};
 use super::sink;
 use crate::state::{Record, Reply, ServerState};
 
+/// Loads a command of a program or a net.
 pub(super) fn load(front: &mut RpcFront, call: &Call<'_>) -> Answer {
     let load = call.load("command")?;
     let told = call.told_period(front, load.period_ns);
@@ -16,6 +17,7 @@ pub(super) fn load(front: &mut RpcFront, call: &Call<'_>) -> Answer {
     Ok(None)
 }
 
+/// Applies an operation to a command, after a check that the client may act on it.
 pub(super) fn one(
     front: &mut RpcFront,
     call: &Call<'_>,
@@ -28,6 +30,7 @@ pub(super) fn one(
     Ok(None)
 }
 
+/// Sets inputs of a command, all between the same two cycles.
 pub(super) fn set(front: &mut RpcFront, call: &Call<'_>) -> Answer {
     let command = call.text("command")?;
     front.may_act(&[command])?;
@@ -44,19 +47,21 @@ pub(super) fn set(front: &mut RpcFront, call: &Call<'_>) -> Answer {
     Ok(None)
 }
 
+/// Returns the state, the ports and the values of a command.
 pub(super) fn describe(front: &mut RpcFront, call: &Call<'_>) -> Answer {
-    let desk = front.office.desk();
-    let (_, record) = desk.objects.commands.find(call.text("command")?)?;
+    let state = front.office.desk();
+    let (_, record) = state.objects.commands.find(call.text("command")?)?;
     let mut told = description(record);
-    if let Some(bound_ns) = desk.core.bound_ns(record) {
+    if let Some(bound_ns) = state.core.bound_ns(record) {
         told["bound"] = json!(seconds(bound_ns));
     }
     Ok(Some(told))
 }
 
+/// Returns all commands with their states.
 pub(super) fn list_commands(front: &mut RpcFront, _: &Call<'_>) -> Answer {
-    let desk = front.office.desk();
-    let told = desk.objects.commands.all().map(|(name, record)| {
+    let state = front.office.desk();
+    let told = state.objects.commands.all().map(|(name, record)| {
         let mut told = sink::status(&record.status);
         told["command"] = json!(name);
         told["title"] = json!(record.title);

@@ -9,12 +9,14 @@ use super::params::{an_object, literal};
 use super::sink;
 use crate::state::{Failure, NewDevice, PARAMETERS};
 
+/// Returns all devices.
 pub(super) fn list_devices(front: &mut RpcFront, _: &Call<'_>) -> Answer {
-    let desk = front.office.desk();
-    let devices: Value = desk.devices.all().map(sink::device).collect();
+    let state = front.office.desk();
+    let devices: Value = state.devices.all().map(sink::device).collect();
     Ok(Some(json!({"devices": devices})))
 }
 
+/// Adds a simulated device.
 pub(super) fn add_device(front: &mut RpcFront, call: &Call<'_>) -> Answer {
     let parameters = call.optional("parameters", an_object())?;
     let parameters = parameters.into_iter().flatten();
@@ -41,6 +43,7 @@ pub(super) fn add_device(front: &mut RpcFront, call: &Call<'_>) -> Answer {
     Ok(None)
 }
 
+/// Removes a simulated device.
 pub(super) fn remove_device(front: &mut RpcFront, call: &Call<'_>) -> Answer {
     let reply = call.later(|_| json!({}));
     front.office.desk().remove_device(call.text("name")?, reply);

@@ -65,6 +65,7 @@ impl Drop for RpcFront {
 }
 
 impl RpcFront {
+    /// Creates the connection of a new client.
     pub(crate) fn new(office: Office, peer: Peer, out: Outbox) -> RpcFront {
         let client = office.desk().objects.client(peer);
         RpcFront {
@@ -110,10 +111,10 @@ impl RpcFront {
 
     /// Returns an error if one of these commands, tasks or sessions belongs to another client.
     pub(super) fn may_act(&self, names: &[&str]) -> Result<(), Failure> {
-        let desk = self.office.desk();
+        let state = self.office.desk();
         names
             .iter()
-            .try_for_each(|name| desk.objects.may_act(self.client, name))
+            .try_for_each(|name| state.objects.may_act(self.client, name))
     }
 }
 
@@ -140,6 +141,7 @@ impl Call<'_> {
         })
     }
 
+    /// Sends the result of the request. Returns false if the client is disconnected.
     pub(super) fn answer(&self, result: Value) -> bool {
         self.answers.success(result)
     }

@@ -83,11 +83,13 @@ impl<'a> Call<'a> {
         }
     }
 
+    /// Returns a required parameter, or an error if it is missing or its value has the wrong type.
     pub(super) fn needed<T>(&self, key: &str, kind: Kind<'a, T>) -> Result<T, Failure> {
         let lacks = || Failure::Bad(format!("the parameter {key} is missing: {}", kind.0));
         self.optional(key, kind)?.ok_or_else(lacks)
     }
 
+    /// Returns a required text.
     pub(super) fn text(&self, key: &str) -> Result<&'a str, Failure> {
         self.needed(key, a_text())
     }
@@ -118,6 +120,7 @@ const LONGEST: Duration = Duration::from_secs(3600);
 /// Type of a parameter: its description for error messages and the function that reads it.
 pub(super) type Kind<'a, T> = (&'static str, fn(&'a Value) -> Option<T>);
 
+/// Returns the type of texts.
 pub(super) fn a_text<'a>() -> Kind<'a, &'a str> {
     ("a text", Value::as_str)
 }
@@ -130,6 +133,7 @@ fn a_number<'a>() -> Kind<'a, f64> {
     ("a number", Value::as_f64)
 }
 
+/// Returns the type of objects.
 pub(super) fn an_object<'a>() -> Kind<'a, &'a Map<String, Value>> {
     ("an object", Value::as_object)
 }

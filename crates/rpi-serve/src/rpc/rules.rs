@@ -35,6 +35,7 @@ pub(super) fn schedule(front: &mut RpcFront, call: &Call<'_>) -> Answer {
     Ok(None)
 }
 
+/// Makes a rule.
 pub(super) fn make_rule(front: &mut RpcFront, call: &Call<'_>) -> Answer {
     let when = condition::parse(call.text("when")?).map_err(Failure::Bad)?;
     let make = Make {
@@ -56,6 +57,7 @@ pub(super) fn make_rule(front: &mut RpcFront, call: &Call<'_>) -> Answer {
     Ok(None)
 }
 
+/// Withdraws a rule.
 pub(super) fn withdraw(front: &mut RpcFront, call: &Call<'_>) -> Answer {
     let reply = call.later(|_| json!({}));
     let rule = call.text("rule")?;

@@ -7,17 +7,19 @@ use super::params::a_text;
 use crate::limits::OnLoss;
 use crate::state::Failure;
 
+/// Opens a session.
 pub(super) fn open_session(front: &mut RpcFront, call: &Call<'_>) -> Answer {
     let on_loss = call.one_of("on_loss", &OnLoss::ALL)?;
     let name = call.optional("name", a_text())?;
     let shared = call.flag("shared")?;
-    let mut desk = front.office.desk();
-    let session = desk.open_session(name.unwrap_or_default(), on_loss, (front.client, shared))?;
-    drop(desk);
+    let mut state = front.office.desk();
+    let session = state.open_session(name.unwrap_or_default(), on_loss, (front.client, shared))?;
+    drop(state);
     front.sessions.push(session.clone());
     Ok(Some(json!({"session": session})))
 }
 
+/// Aborts all commands of a session and closes it.
 pub(super) fn close_session(front: &mut RpcFront, call: &Call<'_>) -> Answer {
     let session = call.text("session")?;
     front.may_act(&[session])?;

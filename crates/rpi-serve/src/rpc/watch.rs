@@ -8,6 +8,7 @@ use super::front::{Answer, Call, RpcFront};
 use super::sink::RpcSink;
 use crate::state::{Failure, TOO_CURIOUS, Watching};
 
+/// Subscribes to a command.
 pub(super) fn watch_command(front: &mut RpcFront, call: &Call<'_>) -> Answer {
     let name = call.text("command")?;
     let watching = Watching {
@@ -15,23 +16,25 @@ pub(super) fn watch_command(front: &mut RpcFront, call: &Call<'_>) -> Answer {
         settle: Duration::ZERO,
         sink: front.sink(Some(("command", name)))?,
     };
-    let mut desk = front.office.desk();
-    desk.objects.commands.find(name)?;
+    let mut state = front.office.desk();
+    state.objects.commands.find(name)?;
     call.answer(json!({}));
-    desk.objects.commands.watch(name, watching)?;
+    state.objects.commands.watch(name, watching)?;
     Ok(None)
 }
 
+/// Subscribes to a rule.
 pub(super) fn watch_rule(front: &mut RpcFront, call: &Call<'_>) -> Answer {
     let name = call.text("rule")?;
     let sink = front.sink(Some(("rule", name)))?;
-    let mut desk = front.office.desk();
-    desk.rules.find_rule(name)?;
+    let mut state = front.office.desk();
+    state.rules.find_rule(name)?;
     call.answer(json!({}));
-    desk.watch_rule(name, sink)?;
+    state.watch_rule(name, sink)?;
     Ok(None)
 }
 
+/// Subscribes to a session.
 pub(super) fn watch_session(front: &mut RpcFront, call: &Call<'_>) -> Answer {
     let name = call.text("session")?;
     let sink = front.sink(Some(("session", name)))?;
@@ -39,6 +42,7 @@ pub(super) fn watch_session(front: &mut RpcFront, call: &Call<'_>) -> Answer {
     Ok(Some(json!({})))
 }
 
+/// Subscribes to all devices.
 pub(super) fn watch_devices(front: &mut RpcFront, call: &Call<'_>) -> Answer {
     let sink = front.sink(None)?;
     call.answer(json!({}));

@@ -89,7 +89,7 @@ impl Commands {
         self.records.values().any(Record::runs)
     }
 
-    /// Called when a command is on its way to the core. Returns the callback for the result of loading.
+    /// Called when a command is on its way to the core. Its loading is finished once the core has answered.
     pub(super) fn adopted(
         &mut self,
         number: u64,

@@ -21,6 +21,7 @@ pub(crate) struct Journal {
 const WARNINGS: usize = 100;
 
 impl Journal {
+    /// Creates an empty log. Times count from now.
     pub(super) fn new() -> Journal {
         Journal {
             begin: Instant::now(),

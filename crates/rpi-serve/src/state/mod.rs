@@ -138,8 +138,8 @@ impl Office {
         // A weak reference: dropping the state closes the queue, which ends the loader thread.
         let weak = Arc::downgrade(&office.0);
         let done: loader::Done = Box::new(move |job, loaded| {
-            if let Some(desk) = weak.upgrade() {
-                Office(desk).desk().loading().loaded(job, loaded);
+            if let Some(state) = weak.upgrade() {
+                Office(state).desk().loading().loaded(job, loaded);
             }
         });
         loader::start(jobs, settings.continuity, twin, done)?;

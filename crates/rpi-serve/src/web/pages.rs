@@ -146,8 +146,8 @@ fn nets(office: &Office) -> String {
 }
 
 fn text(office: &Office, name: &str) -> Result<String, Failure> {
-    let desk = office.desk();
-    let (_, record) = desk.objects.commands.find(name)?;
+    let state = office.desk();
+    let (_, record) = state.objects.commands.find(name)?;
     let origin = record.origin.as_ref();
     let none = || Failure::Unknown(format!("text of {name}: it is part of a task"));
     Ok(origin.ok_or_else(none)?.text.to_string())
@@ -163,8 +163,8 @@ fn parts_of(office: &Office, name: &str) -> Result<String, Failure> {
 
 /// Returns the inputs of a command and its latest exports.
 fn debug(office: &Office, name: &str) -> Result<String, Failure> {
-    let desk = office.desk();
-    let (_, record) = desk.objects.commands.find(name)?;
+    let state = office.desk();
+    let (_, record) = state.objects.commands.find(name)?;
     let mut xml = Xml::new("debug");
     xml.leaf("state", &[], &format!("{:?}", record.status.phase));
     xml.leaf("cycles", &[], &record.cycles().to_string());
@@ -194,13 +194,13 @@ fn extensions() -> String {
 }
 
 fn stats(office: &Office, name: &str) -> Result<String, Failure> {
-    let desk = office.desk();
-    let (_, record) = desk.objects.commands.find(name)?;
+    let state = office.desk();
+    let (_, record) = state.objects.commands.find(name)?;
     let mut xml = Xml::new("stats");
     xml.leaf("cycles", &[], &record.cycles().to_string());
     xml.leaf("period", &[("unit", "ns")], &record.period_ns().to_string());
     xml.leaf("memory", &[("unit", "bytes")], &record.bytes().to_string());
-    let bound = desk.core.bound_ns(record).unwrap_or(0);
+    let bound = state.core.bound_ns(record).unwrap_or(0);
     xml.leaf("bound", &[("unit", "ns")], &bound.to_string());
     let overruns = record.overruns().map_or(0, |(count, _)| count);
     xml.leaf("overruns", &[], &overruns.to_string());

@@ -189,8 +189,8 @@ impl Reception {
     /// Logs that a client was disconnected because it does not read its messages.
     fn note_if_deaf(&self, end: End, peer: Peer) {
         if end == End::Deaf {
-            let mut desk = self.office.desk();
-            desk.log.note(format_args!(
+            let mut state = self.office.desk();
+            state.log.note(format_args!(
                 "a client from {peer} is disconnected: it does not read its messages"
             ));
         }
