@@ -117,6 +117,10 @@ class Session:
         made = await self._core.call("rule.make", when=when, **names)
         return str(made["rule"])
 
+    async def withdraw(self, rule: str) -> None:
+        """Withdraws the rule with this name; :class:`RpiError` if it is unknown or has fired."""
+        await self._core.call("rule.withdraw", rule=rule)
+
     async def close(self) -> None:
         """Ends all its commands by force."""
         await self._core.call("session.close", session=self.name)

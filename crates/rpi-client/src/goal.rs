@@ -121,6 +121,38 @@ impl Session {
         Task::load(&self.core, params)
     }
 
+    /// Makes a rule: when the condition `when` holds, the commands in `stop` are stopped, those in `cancel` cancelled
+    /// and those in `start` started, all between the same two cycles. Returns the name of the rule.
+    ///
+    /// # Errors
+    /// If the condition cannot be parsed, or if other commands hold resources that the commands in `start` need.
+    pub fn rule(
+        &self,
+        when: &str,
+        stop: &[&Goal],
+        cancel: &[&Goal],
+        start: &[&Goal],
+    ) -> Result<String, Error> {
+        let names = |goals: &[&Goal]| goals.iter().map(|goal| json!(goal.name)).collect::<Value>();
+        let params = json!({
+            "when": when,
+            "stop": names(stop),
+            "cancel": names(cancel),
+            "start": names(start),
+        });
+        let made = self.core.call("rule.make", params)?;
+        Ok(made["rule"].as_str().unwrap_or_default().to_owned())
+    }
+
+    /// Withdraws the rule with this name.
+    ///
+    /// # Errors
+    /// If the rule is unknown or has fired, or if one of its commands belongs to another client.
+    pub fn withdraw(&self, rule: &str) -> Result<(), Error> {
+        let params = json!({"rule": rule});
+        self.core.call("rule.withdraw", params).map(drop)
+    }
+
     /// Aborts all commands of the session and closes it.
     ///
     /// # Errors

@@ -91,6 +91,23 @@ fn goals_follow_one_another_and_tell_how_it_goes() {
     session.close().unwrap();
 }
 
+#[test]
+fn rules_start_commands_unless_they_are_withdrawn() {
+    let server = server(None);
+    let core = Core::connect(&server.address().to_string(), None).unwrap();
+    let session = core.open_session("test", OnLoss::Cancel).unwrap();
+    let [first, second, third] = [(), (), ()].map(|()| session.load(&Program::rpi(COUNT)).unwrap());
+    let ended = format!("{}@ended", first.name());
+    let withdrawn = session.rule(&ended, &[], &[], &[&third]).unwrap();
+    session.withdraw(&withdrawn).unwrap();
+    assert!(session.withdraw("r1000000").is_err());
+    session.rule(&ended, &[], &[], &[&second]).unwrap();
+    first.start().unwrap();
+    assert_eq!(second.result().unwrap().cycles, 200);
+    assert!(third.result().is_err(), "it has lost its only rule");
+    session.close().unwrap();
+}
+
 /// A command that can no longer be started is unloaded by the core, and waiting for its result returns an error.
 #[test]
 fn losers_are_told_that_they_will_not_run() {

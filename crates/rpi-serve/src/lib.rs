@@ -1,10 +1,10 @@
 //! Network server for the control core. Clients load, start, schedule and watch commands while others run.
 //!
 //! ```text
-//! clients --- wire (HTTP, websocket, lines) --- dio | rpc | web --- desk ==rpi_host::control== cycle
+//! clients --- wire (HTTP, websocket, lines) --- dio | rpc | web --- state ==rpi_host::control== cycle
 //! ```
 //! - `cycle` runs the core and the devices on one thread that never blocks on another thread.
-//! - `desk` holds the server state: sessions, commands, rules, devices and subscriptions. Loading has its own thread.
+//! - `state` holds the server state: sessions, commands, rules, devices and subscriptions. Loading has its own thread.
 //! - `dio` implements the DirectIO protocol of the reference system, `rpc` JSON-RPC 2.0, `web` the HTTP pages of both.
 //! - `wire` does transport and authentication.
 //!
@@ -13,18 +13,23 @@
 
 mod condition;
 mod cycle;
-mod desk;
 mod dio;
 mod fair;
 mod limits;
+mod open_error;
 mod peer;
 mod rpc;
 mod script;
 mod server;
+mod settings;
+mod state;
 mod web;
 mod wire;
 
 pub use limits::{Limits, OnLoss};
+pub use open_error::CannotOpen;
+pub use rpc::methods;
 pub use rpi_host::realtime::Pace;
 pub use script::Script;
-pub use server::{CannotOpen, Server, Settings, TlsFiles};
+pub use server::Server;
+pub use settings::{Settings, TlsFiles};

@@ -1,25 +1,25 @@
 //! Opening, running and closing the server.
 
-use std::fmt;
 use std::io;
-use std::net::{IpAddr, SocketAddr, TcpListener};
+use std::net::{SocketAddr, TcpListener};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-use rpi_core::{Continuity, Watch};
+use rpi_core::Watch;
 use rpi_device::NoDevices;
-use rpi_host::control::{Budget, Options, open};
+use rpi_host::control::{Options, open};
 use rpi_host::realtime::{self, Beat, Grant, Pace, RealTime};
 use rpi_host::recording::{Taped, Wanted, Written, record};
 use rpi_sim::Cell;
 
 use crate::cycle::Cycle;
-use crate::desk::{Office, bank};
-use crate::limits::{Limits, OnLoss};
-use crate::wire::{Guard, Identity, Reception, Strangers};
+use crate::open_error::{CannotOpen, not_there};
+use crate::settings::Settings;
+use crate::state::{Office, bank};
+use crate::wire::{Guard, Reception, Strangers};
 
 /// Interval at which the server state is updated from the cycle's reports.
 const KEEP: Duration = Duration::from_millis(1);
@@ -32,167 +32,6 @@ const CYCLE: &str = "rpi-cycle";
 
 /// Capacity of the request queue to the cycle.
 const REQUESTS: usize = 4096;
-
-/// Configuration of a server.
-#[derive(Clone, Debug)]
-pub struct Settings {
-    /// Listening address. An address beyond loopback requires a token and TLS.
-    pub listen: SocketAddr,
-    /// Path of an additional Unix socket: JSON-RPC, one message per line.
-    pub socket: Option<PathBuf>,
-    /// Token that clients must present.
-    pub token: Option<String>,
-    /// Certificate and key files for encrypted connections.
-    pub tls: Option<TlsFiles>,
-    /// Allows listening beyond loopback without token or TLS.
-    pub insecure: bool,
-    /// Length of a tick in nanoseconds. Command periods are whole multiples of it.
-    pub tick_ns: u64,
-    /// Time source of the ticks: real or simulated time.
-    pub pace: Pace,
-    /// Wrapper around each tick; it must call its argument once. Tests use it to trap allocations.
-    pub around_tick: fn(&mut dyn FnMut()),
-    /// Real-time settings requested for the cycle thread and the policy for ticks that end after the next one is due.
-    /// `None` runs an ordinary thread.
-    pub real_time: Option<RealTime>,
-    /// Policy for a takeover with a jump. With `None`, such a command is refused if it comes from a program and allowed
-    /// if it comes from a net of the reference system, which was written for control cores without this check.
-    pub continuity: Option<Continuity>,
-    /// Policy for the commands of a session whose client has disconnected, unless the client specifies one.
-    pub on_loss: OnLoss,
-    /// Maximum share of a tick for all commands together, from 0 to 1, by the compiler's bounds. Commands beyond it are
-    /// rejected; the rest of the tick is for requests and devices. `None` disables the check.
-    pub share: Option<f64>,
-    /// Time of an elementary operation in nanoseconds; `rpic machine` measures the worst case.
-    pub ns_per_operation: f64,
-    /// Resource limits of clients.
-    pub limits: Limits,
-}
-
-impl Default for Settings {
-    fn default() -> Settings {
-        Settings {
-            listen: SocketAddr::new(IpAddr::from([127, 0, 0, 1]), 8080),
-            socket: None,
-            token: None,
-            tls: None,
-            insecure: false,
-            tick_ns: 1_000_000,
-            pace: Pace::Real,
-            around_tick: |tick| tick(),
-            real_time: None,
-            continuity: None,
-            on_loss: OnLoss::default(),
-            share: Some(Budget::SHARE),
-            ns_per_operation: Budget::NS_PER_OPERATION,
-            limits: Limits::default(),
-        }
-    }
-}
-
-/// PEM files that identify the server.
-#[derive(Clone, PartialEq, Eq, Debug)]
-pub struct TlsFiles {
-    /// Certificate chain: the server's certificate, then the intermediate ones up to an authority that clients trust.
-    pub certificates: PathBuf,
-    /// Private key of the certificate.
-    pub key: PathBuf,
-}
-
-/// Error of opening a server.
-#[derive(Debug)]
-pub enum CannotOpen {
-    /// The server would be reachable from other machines without protection.
-    Unguarded {
-        /// Configured listening address.
-        at: SocketAddr,
-        /// No token is configured: every client would be accepted.
-        no_token: bool,
-        /// TLS is not configured: the traffic could be read and changed on its way.
-        no_tls: bool,
-    },
-    /// The certificate or key file cannot be used; the text has the reason.
-    Identity(String),
-    /// A system call failed.
-    System(io::Error),
-}
-
-impl fmt::Display for CannotOpen {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            CannotOpen::Unguarded {
-                at,
-                no_token,
-                no_tls,
-            } => {
-                let lacking = match (no_token, no_tls) {
-                    (true, true) => "a token and TLS",
-                    (true, false) => "a token",
-                    _ => "TLS",
-                };
-                let code = rpi_diag::Code::RPI9201;
-                write!(
-                    f,
-                    "{code}: {at} can be reached from other machines; it requires {lacking}"
-                )
-            }
-            CannotOpen::Identity(why) => f.write_str(why),
-            CannotOpen::System(why) => why.fmt(f),
-        }
-    }
-}
-
-impl std::error::Error for CannotOpen {}
-
-impl Settings {
-    /// Returns an error if the address is beyond loopback and the token or TLS is missing.
-    fn guarded(&self) -> Result<(), CannotOpen> {
-        let (no_token, no_tls) = (self.token.is_none(), self.tls.is_none());
-        let local = self.listen.ip().is_loopback();
-        match local || self.insecure || !(no_token || no_tls) {
-            true => Ok(()),
-            false => Err(CannotOpen::Unguarded {
-                at: self.listen,
-                no_token,
-                no_tls,
-            }),
-        }
-    }
-
-    /// Returns the budget of commands per tick, if it is limited.
-    fn budget(&self) -> Option<Budget> {
-        let share = self.share?;
-        Some(Budget::of(
-            self.tick_ns.max(1),
-            share,
-            self.ns_per_operation,
-        ))
-    }
-
-    fn identity(&self) -> Result<Option<Identity>, CannotOpen> {
-        let read = |files: &TlsFiles| Identity::read(&files.certificates, &files.key);
-        let identity = self.tls.as_ref().map(read).transpose();
-        identity.map_err(CannotOpen::Identity)
-    }
-}
-
-impl From<io::Error> for CannotOpen {
-    fn from(why: io::Error) -> CannotOpen {
-        CannotOpen::System(why)
-    }
-}
-
-/// Adds the address and a hint to an error of binding it.
-fn not_there(at: SocketAddr, why: &io::Error) -> io::Error {
-    let helps = match why.kind() {
-        io::ErrorKind::AddrInUse => {
-            "; another program listens there: end it, or choose another port"
-        }
-        io::ErrorKind::AddrNotAvailable => "; this machine has no such address",
-        _ => "",
-    };
-    io::Error::new(why.kind(), format!("{at}: {why}{helps}"))
-}
 
 /// A running server. Dropping it stops everything and closes it; the cycle runs until the devices are at rest.
 #[derive(Debug)]
@@ -302,13 +141,13 @@ impl Server {
             watch,
             around_tick: settings.around_tick,
             over: Arc::clone(&self.over),
-            alarm: office.desk().alarm(),
+            alarm: office.desk().emergency.alarm(),
             camera,
             lost: Arc::clone(&self.lost),
         };
         self.run(cycle, settings.real_time)?;
         let (over, keeper) = (Arc::clone(&self.over), office.clone());
-        self.spawn("rpi-desk", move || {
+        self.spawn("rpi-state", move || {
             while !over.load(Ordering::Relaxed) {
                 keeper.desk().keep();
                 thread::sleep(KEEP);
@@ -372,7 +211,7 @@ impl Server {
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
         let office = self.office.as_ref();
-        office.map_or_else(Vec::new, |office| office.desk().warnings())
+        office.map_or_else(Vec::new, |office| office.desk().log.warnings())
     }
 
     /// Returns the listening address.
@@ -449,9 +288,11 @@ impl Drop for Server {
 
 #[cfg(test)]
 mod tests {
+    use std::net::IpAddr;
+
     use super::*;
-    use crate::desk::{Language, Load, Sink, Update};
     use crate::peer::Peer;
+    use crate::state::{Language, Load, Sink, Update};
 
     /// A net that moves an axis of the arm back and forth for ever.
     const SWING: &str = "{t=Core::Clock(Increment='1.0'),c=Core::DoubleCos(inValue=t.outValue),\
@@ -461,7 +302,7 @@ mod tests {
 
     /// Starts a command on the server and waits until the arm moves.
     fn swing(office: &Office) {
-        let client = office.desk().client(Peer::Here);
+        let client = office.desk().objects.client(Peer::Here);
         let session = office.desk().open_session("test", None, (client, true));
         let session = session.unwrap();
         let load = Load {
@@ -481,7 +322,7 @@ mod tests {
         };
         office.desk().load(&load, Box::new(started));
         let begin = Instant::now();
-        while !office.desk().devices().any(|info| info.moving) {
+        while !office.desk().devices.all().any(|info| info.moving) {
             assert!(
                 begin.elapsed() < Duration::from_secs(30),
                 "it does not move"
@@ -513,15 +354,19 @@ mod tests {
         };
         let server = Server::open(&cell, &settings, ()).unwrap();
         let office = server.office.clone().unwrap();
-        let mut desk = office.desk();
-        let client = desk.client(Peer::Here);
-        let session = desk.open_session("test", None, (client, true)).unwrap();
-        desk.watch_emergency(Box::new(Deaf));
-        desk.watch_devices(Box::new(Deaf));
-        desk.watch_session(&session, Box::new(Deaf)).unwrap();
-        assert_eq!(desk.watching(), 3);
-        desk.lose_client(client, &[]);
-        assert_eq!(desk.watching(), 0);
+        let mut state = office.desk();
+        let client = state.objects.client(Peer::Here);
+        let session = state.open_session("test", None, (client, true)).unwrap();
+        state.emergency.watch(Box::new(Deaf));
+        state.devices.watch(Box::new(Deaf));
+        state
+            .objects
+            .sessions
+            .watch(&session, Box::new(Deaf))
+            .unwrap();
+        assert_eq!(state.watching(), 3);
+        state.lose_client(client, &[]);
+        assert_eq!(state.watching(), 0);
     }
 
     #[test]
@@ -537,6 +382,6 @@ mod tests {
         let office = server.office.clone().unwrap();
         swing(&office);
         server.close().unwrap();
-        assert!(!office.desk().devices().any(|info| info.moving));
+        assert!(!office.desk().devices.all().any(|info| info.moving));
     }
 }

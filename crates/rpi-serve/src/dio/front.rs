@@ -6,9 +6,9 @@ use super::message::{Arg, Message};
 use super::parse;
 use super::sink::DioSink;
 use crate::condition::{self, Expr, Saying};
-use crate::desk::{Client, Failure, Language, Load, Make, Office, Reply, TOO_CURIOUS, Watching};
 use crate::limits::OnLoss;
 use crate::peer::Peer;
+use crate::state::{Client, Failure, Language, Load, Make, Office, Reply, TOO_CURIOUS, Watching};
 use crate::wire::{Front, Outbox};
 
 /// Supported protocol version; all versions with the same major number are accepted.
@@ -37,16 +37,16 @@ const REQUESTS: &[(&str, Handler)] = &[
     ("ase", DioFront::abort_session),
     ("nene", DioFront::new_net),
     ("nest", |front, m| {
-        front.one_net(m, |desk, net, reply| desk.start(net, reply))
+        front.one_net(m, |state, net, reply| state.start(net, reply))
     }),
     ("neca", |front, m| {
-        front.one_net(m, |desk, net, reply| desk.cancel(net, reply))
+        front.one_net(m, |state, net, reply| state.cancel(net, reply))
     }),
     ("neab", |front, m| {
-        front.one_net(m, |desk, net, reply| desk.abort(net, reply))
+        front.one_net(m, |state, net, reply| state.abort(net, reply))
     }),
     ("neun", |front, m| {
-        front.one_net(m, |desk, net, reply| desk.unload(net, reply))
+        front.one_net(m, |state, net, reply| state.unload(net, reply))
     }),
     ("nesc", DioFront::schedule),
     ("snc", DioFront::set_values),
@@ -95,7 +95,7 @@ impl Drop for DioFront {
 
 impl DioFront {
     pub(crate) fn new(office: Office, peer: Peer, out: Outbox) -> DioFront {
-        let client = office.desk().client(peer);
+        let client = office.desk().objects.client(peer);
         DioFront {
             office,
             client,
@@ -107,9 +107,9 @@ impl DioFront {
     /// Checks that the client may act on these commands, tasks or sessions. Sessions of this protocol are shared with
     /// every client that knows their names; those of the native interface belong to one client.
     fn may_act<'n>(&self, names: impl Iterator<Item = &'n &'n str>) -> Result<(), Failure> {
-        let (desk, client) = (self.office.desk(), self.client);
+        let (state, client) = (self.office.desk(), self.client);
         let mut names = names;
-        names.try_for_each(|name| desk.may_act(client, name))
+        names.try_for_each(|name| state.objects.may_act(client, name))
     }
 
     fn ok(&self, tag: &str, result: &str) -> bool {
@@ -179,18 +179,18 @@ impl DioFront {
             on_overrun: None,
         };
         self.may_act([&load.session].into_iter())?;
-        let mut desk = self.office.desk();
-        if desk.take_up(load.session, self.client) {
+        let mut state = self.office.desk();
+        if state.objects.sessions.take_up(load.session, self.client) {
             self.sessions.push(load.session.to_owned());
         }
-        desk.load(&load, self.reply(&message.tag));
+        state.load(&load, self.reply(&message.tag));
         Ok(())
     }
 
     fn one_net(
         &mut self,
         message: &Message,
-        what: impl FnOnce(&mut crate::desk::Desk, &str, Reply),
+        what: impl FnOnce(&mut crate::state::ServerState, &str, Reply),
     ) -> Result<(), Failure> {
         let net = text(message, 0)?;
         self.may_act([&net].into_iter())?;
@@ -209,7 +209,7 @@ impl DioFront {
             // In this protocol, the client that loaded a net also unloads it.
             keep: true,
         };
-        self.office.desk().may_say(&make)?;
+        self.office.desk().rules.may_say(&make)?;
         self.may_act(make.stop.iter().chain(make.cancel).chain(make.start))?;
         self.office
             .desk()
@@ -243,32 +243,36 @@ impl DioFront {
             settle: SETTLE,
             sink: self.sink(&message.tag)?,
         };
-        let mut desk = self.office.desk();
-        desk.find(net)?;
+        let mut state = self.office.desk();
+        state.objects.commands.find(net)?;
         // The client expects `ok` before the first update.
         self.ok(&message.tag, "");
-        desk.watch(net, watching)
+        state.objects.commands.watch(net, watching)
     }
 
     fn watch_session(&mut self, message: &Message) -> Result<(), Failure> {
         let sink = self.sink(&message.tag)?;
-        self.office.desk().watch_session(text(message, 0)?, sink)?;
+        self.office
+            .desk()
+            .objects
+            .sessions
+            .watch(text(message, 0)?, sink)?;
         self.ok(&message.tag, "");
         Ok(())
     }
 
     fn watch_rule(&mut self, message: &Message) -> Result<(), Failure> {
         let (rule, sink) = (text(message, 0)?, self.sink(&message.tag)?);
-        let mut desk = self.office.desk();
-        desk.find_rule(rule)?;
+        let mut state = self.office.desk();
+        state.rules.find_rule(rule)?;
         self.ok(&message.tag, "");
-        desk.watch_rule(rule, sink)
+        state.watch_rule(rule, sink)
     }
 
     fn watch_devices(&mut self, message: &Message) -> Result<(), Failure> {
         let sink = self.sink(&message.tag)?;
         self.ok(&message.tag, "");
-        self.office.desk().watch_devices(sink);
+        self.office.desk().devices.watch(sink);
         Ok(())
     }
 }

@@ -3,7 +3,7 @@
 use rpi_core::State;
 
 use super::message::{Arg, Message};
-use crate::desk::{DeviceInfo, Phase, RuleState, Sink, Update};
+use crate::state::{DeviceInfo, Phase, RuleState, Sink, Update};
 use crate::wire::Post;
 
 /// Subscriber that sends updates with the tag of its subscription.

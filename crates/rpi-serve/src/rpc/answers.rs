@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use serde_json::{Value, json};
 
-use crate::desk::Failure;
+use crate::state::Failure;
 use crate::wire::Outbox;
 
 /// Destination of the answer to a request.
@@ -53,15 +53,18 @@ impl Answers {
         requests.iter().map(one).collect()
     }
 
+    /// Sends the result of the request. Returns false if the client is disconnected.
     pub(super) fn success(&self, result: Value) -> bool {
         self.send(json!({"result": result}))
     }
 
+    /// Sends the error code and message of a failed request. Returns false if the client is disconnected.
     pub(super) fn failure(&self, why: &Failure) -> bool {
         let (code, data) = code_of(why);
         self.error(code, &why.to_string(), data)
     }
 
+    /// Sends an error. `data` is left out if it is null. Returns false if the client is disconnected.
     pub(super) fn error(&self, code: i64, message: &str, data: Value) -> bool {
         let mut error = json!({"code": code, "message": message});
         if !data.is_null() {

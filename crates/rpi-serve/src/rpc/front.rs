@@ -4,8 +4,8 @@ use serde_json::{Value, json};
 
 use super::answers::Answers;
 use super::methods::{METHODS, Method};
-use crate::desk::{Client, Failure, Office, Reply};
 use crate::peer::Peer;
+use crate::state::{Client, Failure, Office, Reply};
 use crate::wire::{Front, Outbox};
 
 /// JSON-RPC connection of one client.
@@ -65,8 +65,9 @@ impl Drop for RpcFront {
 }
 
 impl RpcFront {
+    /// Creates the connection of a new client.
     pub(crate) fn new(office: Office, peer: Peer, out: Outbox) -> RpcFront {
-        let client = office.desk().client(peer);
+        let client = office.desk().objects.client(peer);
         RpcFront {
             office,
             client,
@@ -88,11 +89,11 @@ impl RpcFront {
             let why = format!("there is no method {name}{}", meant(name, known));
             return answers.error(-32601, &why, Value::Null);
         };
-        if method.params.is_some() && !is_ours {
+        if method.is_checked && !is_ours {
             let why = "invalid request: `\"jsonrpc\": \"2.0\"` is missing";
             return answers.for_somebody().error(-32600, why, Value::Null);
         }
-        if method.params.is_some() && !answers.has_good_id() {
+        if method.is_checked && !answers.has_good_id() {
             let why = "the id must be a text, a whole number or null";
             return answers.for_nobody().error(-32600, why, Value::Null);
         }
@@ -110,19 +111,21 @@ impl RpcFront {
 
     /// Returns an error if one of these commands, tasks or sessions belongs to another client.
     pub(super) fn may_act(&self, names: &[&str]) -> Result<(), Failure> {
-        let desk = self.office.desk();
+        let state = self.office.desk();
         names
             .iter()
-            .try_for_each(|name| desk.may_act(self.client, name))
+            .try_for_each(|name| state.objects.may_act(self.client, name))
     }
 }
 
 impl Call<'_> {
     /// Returns an error if a parameter is unknown. A misspelt optional parameter would otherwise be ignored.
     fn takes(&self, method: &Method) -> Result<(), Failure> {
-        let (given, known) = match (self.params, method.params) {
-            (Value::Null, _) | (_, None) => return Ok(()),
-            (Value::Object(given), Some(known)) => (given, known),
+        let known = method.params;
+        let given = match self.params {
+            _ if !method.is_checked => return Ok(()),
+            Value::Null => return Ok(()),
+            Value::Object(given) => given,
             _ => {
                 let why = "params: expected an object with the parameters by name";
                 return Err(Failure::Bad(why.to_owned()));
@@ -138,6 +141,7 @@ impl Call<'_> {
         })
     }
 
+    /// Sends the result of the request. Returns false if the client is disconnected.
     pub(super) fn answer(&self, result: Value) -> bool {
         self.answers.success(result)
     }

@@ -3,7 +3,7 @@
 use rpi_core::State;
 use serde_json::{Map, Value, json};
 
-use crate::desk::{
+use crate::state::{
     DeviceInfo, Phase, Place, RuleState, Sink, Status, Step, TaskStatus, Update, cause, why,
 };
 use crate::wire::Post;

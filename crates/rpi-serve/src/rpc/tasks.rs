@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use super::front::{Answer, Call, RpcFront};
 use super::sink;
-use crate::desk::{Desk, Failure};
+use crate::state::{Failure, ServerState};
 
 /// Loads a task of a program.
 pub(super) fn load(front: &mut RpcFront, call: &Call<'_>) -> Answer {
@@ -20,7 +20,7 @@ pub(super) fn load(front: &mut RpcFront, call: &Call<'_>) -> Answer {
 pub(super) fn one(
     front: &mut RpcFront,
     call: &Call<'_>,
-    what: fn(&mut Desk, &str) -> Result<(), Failure>,
+    what: fn(&mut ServerState, &str) -> Result<(), Failure>,
 ) -> Answer {
     let task = call.text("task")?;
     front.may_act(&[task])?;
@@ -28,24 +28,29 @@ pub(super) fn one(
     Ok(Some(json!({})))
 }
 
+/// Returns the progress of a task.
 pub(super) fn describe(front: &mut RpcFront, call: &Call<'_>) -> Answer {
-    let desk = front.office.desk();
-    Ok(Some(sink::task(desk.task_status(call.text("task")?)?)))
+    let state = front.office.desk();
+    Ok(Some(sink::task(
+        state.objects.tasks.status(call.text("task")?)?,
+    )))
 }
 
+/// Subscribes to a task.
 pub(super) fn watch(front: &mut RpcFront, call: &Call<'_>) -> Answer {
     let name = call.text("task")?;
     let sink = front.sink(Some(("task", name)))?;
-    let mut desk = front.office.desk();
-    desk.task_status(name)?;
+    let mut state = front.office.desk();
+    state.objects.tasks.status(name)?;
     call.answer(json!({}));
-    desk.watch_task(name, sink)?;
+    state.objects.tasks.watch(name, sink)?;
     Ok(None)
 }
 
+/// Returns all tasks with their progress.
 pub(super) fn list(front: &mut RpcFront, _: &Call<'_>) -> Answer {
-    let desk = front.office.desk();
-    let tasks = desk.tasks().map(|(name, title, status)| {
+    let state = front.office.desk();
+    let tasks = state.objects.tasks.all().map(|(name, title, status)| {
         let mut told = sink::task(status);
         told["task"] = json!(name);
         told["title"] = json!(title);
@@ -64,18 +69,21 @@ pub(super) fn stop(front: &mut RpcFront, call: &Call<'_>) -> Answer {
     Ok(None)
 }
 
+/// Resets an emergency stop.
 pub(super) fn reset(front: &mut RpcFront, _: &Call<'_>) -> Answer {
     front.office.desk().reset_emergency()?;
     Ok(Some(json!({})))
 }
 
+/// Returns whether an emergency stop is in force, and who requested it.
 pub(super) fn state(front: &mut RpcFront, _: &Call<'_>) -> Answer {
-    Ok(Some(sink::emergency(front.office.desk().emergency_by())))
+    Ok(Some(sink::emergency(front.office.desk().emergency.by())))
 }
 
+/// Subscribes to the emergency stop.
 pub(super) fn watch_emergency(front: &mut RpcFront, call: &Call<'_>) -> Answer {
     let sink = front.sink(None)?;
     call.answer(json!({}));
-    front.office.desk().watch_emergency(sink);
+    front.office.desk().emergency.watch(sink);
     Ok(None)
 }

@@ -6,8 +6,8 @@ use std::time::Duration;
 
 use super::response::Response;
 use super::xml::Xml;
-use crate::desk::{Failure, NewDevice, Office, Reply};
 use crate::peer::Peer;
+use crate::state::{Failure, NewDevice, Office, Reply};
 
 type Form = BTreeMap<String, String>;
 
@@ -66,12 +66,13 @@ pub(crate) fn session((office, peer): (&Office, Peer), name: &str, form: &Form) 
     {
         return Response::refused(400, "expected a form with action=TERMINATE");
     }
-    let mut desk = office.desk();
+    let mut state = office.desk();
     // An HTTP request counts as a client without sessions.
-    let nobody = desk.client(peer);
-    let ended = desk
+    let nobody = state.objects.client(peer);
+    let ended = state
+        .objects
         .may_act(nobody, name)
-        .and_then(|()| desk.abort_session(name));
+        .and_then(|()| state.abort_session(name));
     match ended {
         Ok(()) => Response::text("done\n".to_owned()),
         Err(why @ Failure::NotYours(_)) => Response::refused(403, &why.to_string()),

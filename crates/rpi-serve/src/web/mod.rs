@@ -7,9 +7,9 @@ mod pages;
 mod response;
 mod xml;
 
-use crate::desk::Office;
 use crate::limits::Limits;
 use crate::peer::Peer;
+use crate::state::Office;
 use crate::wire::Head;
 
 pub(crate) use response::Response;

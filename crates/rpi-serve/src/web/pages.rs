@@ -8,7 +8,7 @@ use rpi_prims::registry;
 use super::net;
 use super::response::Response;
 use super::xml::Xml;
-use crate::desk::{Failure, Office};
+use crate::state::{Failure, Office};
 
 /// Index page, shown at `/`.
 const INDEX: &str = "RPI control core\n\n\
@@ -33,7 +33,7 @@ pub(crate) fn page(office: &Office, parts: &[&str]) -> Response {
         ["sessions"] => Response::xml(sessions(office)),
         ["nets"] => Response::xml(nets(office)),
         ["extensions"] => Response::xml(extensions()),
-        ["log"] => Response::text(office.desk().log()),
+        ["log"] => Response::text(office.desk().log.text()),
         ["nets", name, "dio"] => found(text(office, name), Response::text),
         ["nets", name, "xml"] => found(parts_of(office, name), Response::xml),
         ["nets", name, "debug"] => found(debug(office, name), Response::xml),
@@ -109,7 +109,7 @@ fn types() -> String {
 
 fn devices(office: &Office) -> String {
     let mut xml = Xml::new("devices");
-    for info in office.desk().devices() {
+    for info in office.desk().devices.all() {
         xml.begin("device", &[("name", &info.name), ("type", &info.kind)]);
         for (interface, parameters) in &info.interfaces {
             xml.begin("interface", &[("name", interface)]);
@@ -125,7 +125,7 @@ fn devices(office: &Office) -> String {
 
 fn sessions(office: &Office) -> String {
     let mut xml = Xml::new("sessions");
-    for (name, owner) in office.desk().sessions() {
+    for (name, owner) in office.desk().objects.sessions.all() {
         xml.leaf("session", &[("name", &name), ("description", owner)], "");
     }
     xml.finish()
@@ -133,7 +133,7 @@ fn sessions(office: &Office) -> String {
 
 fn nets(office: &Office) -> String {
     let mut xml = Xml::new("nets");
-    for (name, record) in office.desk().commands() {
+    for (name, record) in office.desk().objects.commands.all() {
         let state = format!("{:?}", record.status.phase);
         let about = [
             ("name", name.as_str()),
@@ -146,8 +146,8 @@ fn nets(office: &Office) -> String {
 }
 
 fn text(office: &Office, name: &str) -> Result<String, Failure> {
-    let desk = office.desk();
-    let (_, record) = desk.find(name)?;
+    let state = office.desk();
+    let (_, record) = state.objects.commands.find(name)?;
     let origin = record.origin.as_ref();
     let none = || Failure::Unknown(format!("text of {name}: it is part of a task"));
     Ok(origin.ok_or_else(none)?.text.to_string())
@@ -155,7 +155,7 @@ fn text(office: &Office, name: &str) -> Result<String, Failure> {
 
 /// Returns the structure of a net as XML. The net is compiled again from its text, with the state unlocked.
 fn parts_of(office: &Office, name: &str) -> Result<String, Failure> {
-    let origin = office.desk().find(name)?.1.origin.clone();
+    let origin = office.desk().objects.commands.find(name)?.1.origin.clone();
     let none = || Failure::Unknown(format!("text of {name}: it is part of a task"));
     let page = origin.ok_or_else(none)?.net(|net| Ok(net::page(net)));
     page.map_err(Failure::Rejected)
@@ -163,8 +163,8 @@ fn parts_of(office: &Office, name: &str) -> Result<String, Failure> {
 
 /// Returns the inputs of a command and its latest exports.
 fn debug(office: &Office, name: &str) -> Result<String, Failure> {
-    let desk = office.desk();
-    let (_, record) = desk.find(name)?;
+    let state = office.desk();
+    let (_, record) = state.objects.commands.find(name)?;
     let mut xml = Xml::new("debug");
     xml.leaf("state", &[], &format!("{:?}", record.status.phase));
     xml.leaf("cycles", &[], &record.cycles().to_string());
@@ -194,13 +194,13 @@ fn extensions() -> String {
 }
 
 fn stats(office: &Office, name: &str) -> Result<String, Failure> {
-    let desk = office.desk();
-    let (_, record) = desk.find(name)?;
+    let state = office.desk();
+    let (_, record) = state.objects.commands.find(name)?;
     let mut xml = Xml::new("stats");
     xml.leaf("cycles", &[], &record.cycles().to_string());
     xml.leaf("period", &[("unit", "ns")], &record.period_ns().to_string());
     xml.leaf("memory", &[("unit", "bytes")], &record.bytes().to_string());
-    let bound = desk.bound_ns(record).unwrap_or(0);
+    let bound = state.core.bound_ns(record).unwrap_or(0);
     xml.leaf("bound", &[("unit", "ns")], &bound.to_string());
     let overruns = record.overruns().map_or(0, |(count, _)| count);
     xml.leaf("overruns", &[], &overruns.to_string());

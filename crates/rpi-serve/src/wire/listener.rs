@@ -16,12 +16,12 @@ use super::head::{Head, is_pause};
 use super::outbox::{Outbox, outbox};
 use super::strangers::{Strangers, Why};
 use super::tls::Identity;
-use crate::desk::Office;
 use crate::dio::DioFront;
 use crate::fair::Taken;
 use crate::limits::Limits;
 use crate::peer::Peer;
 use crate::rpc::RpcFront;
+use crate::state::Office;
 use crate::web;
 
 /// State shared by all connections.
@@ -140,7 +140,7 @@ impl Reception {
     /// Logs a rejected connection or request.
     fn note(&self, peer: Peer, why: Why) {
         if let Some(told) = self.strangers.note(peer, why) {
-            self.office.desk().warn(&told);
+            self.office.desk().log.warn(&told);
         }
     }
 
@@ -189,8 +189,8 @@ impl Reception {
     /// Logs that a client was disconnected because it does not read its messages.
     fn note_if_deaf(&self, end: End, peer: Peer) {
         if end == End::Deaf {
-            let mut desk = self.office.desk();
-            desk.log_line(format_args!(
+            let mut state = self.office.desk();
+            state.log.note(format_args!(
                 "a client from {peer} is disconnected: it does not read its messages"
             ));
         }

@@ -8,6 +8,7 @@ mod excess;
 mod exchange;
 mod guard;
 mod limits;
+mod methods;
 mod native;
 mod nets;
 mod order;

@@ -5,7 +5,7 @@ use std::fmt;
 use rpi_host::control::{Cause, Ending, Refused, Rejected, State, TooMuch};
 
 use super::place::Place;
-use super::tasks::TaskStatus;
+use super::task_status::TaskStatus;
 use crate::fair::Full;
 
 /// Life-cycle state of a command, as clients see it.

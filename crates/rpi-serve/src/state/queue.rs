@@ -25,6 +25,7 @@ struct Waiting {
 }
 
 impl Queue {
+    /// Creates an empty queue with this maximum number of jobs per client.
     pub(super) fn new(most: usize) -> Queue {
         Queue {
             waiting: Mutex::default(),

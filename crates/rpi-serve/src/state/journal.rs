@@ -10,7 +10,7 @@ const LINES: usize = 1000;
 const WIDTH: usize = 300;
 
 /// The latest log lines, each with the seconds since the start of the server.
-pub(super) struct Journal {
+pub(crate) struct Journal {
     begin: Instant,
     lines: VecDeque<String>,
     /// Warnings for the operator that were not taken yet.
@@ -21,6 +21,7 @@ pub(super) struct Journal {
 const WARNINGS: usize = 100;
 
 impl Journal {
+    /// Creates an empty log. Times count from now.
     pub(super) fn new() -> Journal {
         Journal {
             begin: Instant::now(),
@@ -30,7 +31,7 @@ impl Journal {
     }
 
     /// Writes a line.
-    pub(super) fn note(&mut self, what: fmt::Arguments<'_>) {
+    pub(crate) fn note(&mut self, what: fmt::Arguments<'_>) {
         let seconds = self.begin.elapsed().as_secs_f64();
         let line = format!("{seconds:12.3} {what}");
         let plain = line.chars().take(WIDTH);
@@ -42,7 +43,7 @@ impl Journal {
     }
 
     /// Writes a line and keeps it as a pending warning.
-    pub(super) fn warn(&mut self, what: &str) {
+    pub(crate) fn warn(&mut self, what: &str) {
         self.note(format_args!("{what}"));
         if self.warnings.len() < WARNINGS {
             self.warnings.push(what.to_owned());
@@ -50,12 +51,12 @@ impl Journal {
     }
 
     /// Takes the pending warnings.
-    pub(super) fn warnings(&mut self) -> Vec<String> {
+    pub(crate) fn warnings(&mut self) -> Vec<String> {
         std::mem::take(&mut self.warnings)
     }
 
     /// Returns all lines, oldest first.
-    pub(super) fn text(&self) -> String {
+    pub(crate) fn text(&self) -> String {
         self.lines
             .iter()
             .flat_map(|line| [line.as_str(), "\n"])

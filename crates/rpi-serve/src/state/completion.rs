@@ -9,12 +9,15 @@
 use std::collections::BTreeMap;
 use std::time::Instant;
 
-use rpi_host::control::{CommandId, RuleId, State};
+use rpi_host::control::{CommandId, State};
 use rpi_image::{PortType, Role, Scalar, Value};
 use rpi_net::passes::Conjunction;
 use rpi_net::{Net, Node};
 
-use super::{Desk, Phase, Record};
+use super::commands::Commands;
+use super::journal::Journal;
+use super::record::Record;
+use super::types::Phase;
 
 /// For each Boolean export of a net, the conjunction of flows under which it is true.
 #[derive(Clone, Debug, Default)]
@@ -81,80 +84,96 @@ fn is_boolean(node: &Node) -> bool {
     port.is_some_and(|p| matches!(p.ty, PortType::One(Scalar::Bool)))
 }
 
-impl Desk {
-    /// Called when a rule has fired: determines the completion result of each command that it stopped in favour of a
-    /// successor.
-    pub(super) fn note_takeover(&mut self, rule: RuleId) {
-        for command in self.stopped_by(rule) {
-            let Some(record) = self.record_of(command) else {
-                continue;
-            };
-            let how = match record.complete() {
-                Some(Ok(key)) => format!("and is reported as complete ({key})"),
-                Some(Err(why)) => format!("and is not reported as complete: {why}"),
-                None => continue,
-            };
-            let line = format!("{} was taken over, {how}", record.title);
-            self.journal.note(format_args!("{line}"));
-        }
-    }
-
-    /// Reports the completion results of the stopped commands: first as true, then as false again. A waiting client
-    /// sees the change, and a later one does not take it for a result that a rule could still use.
-    pub(super) fn tell_completions(&mut self, rule: RuleId) {
-        let stopped = self.stopped_by(rule);
-        for value in [true, false] {
-            for command in &stopped {
-                let Some(record) = self.record_of(*command) else {
-                    continue;
-                };
-                if let Some(key) = record.completed.clone() {
-                    record.publish_now();
-                    record.tell_flag(&key, value);
-                }
-            }
-        }
-    }
-
-    /// Returns whether the firing of a rule cannot be reported yet, because a command that it stopped is not known to
-    /// have run.
-    pub(super) fn is_early(&self, rule: RuleId) -> bool {
-        let now = Instant::now();
-        self.stopped_by(rule).iter().any(|command| {
-            let number = self.by_id.get(command);
-            let record = number.and_then(|n| self.commands.get(n));
-            record.is_some_and(|r| r.completed.is_some() && r.is_held_back(now))
-        })
-    }
-
-    /// Returns the commands that a rule stops, if it also starts one.
-    fn stopped_by(&self, rule: RuleId) -> Vec<CommandId> {
-        let rule = self.rules.get(&rule).filter(|r| r.takes_over());
-        rule.map(|r| r.stop.clone()).unwrap_or_default()
-    }
+/// What is known about the completion result of one command.
+#[derive(Default)]
+pub(super) struct Completion {
+    /// For each exported Boolean, the conditions under which it can be true.
+    pub(super) reasons: Reasons,
+    /// Keys of the results that end the command: its session has made rules that stop it when one of them is true.
+    ends_by: Vec<String>,
+    /// Key of the result that is reported as true because another command has taken over.
+    completed: Option<String>,
 }
 
-impl Record {
-    /// Determines the completion result after a takeover. Returns `None` if one of the results that end the command is
-    /// true anyway.
-    fn complete(&mut self) -> Option<Result<String, Unclear>> {
-        let cancelled = match self.status.phase {
-            Phase::Is(State::Running) => false,
-            Phase::Is(State::Cancelling) => true,
-            _ => return None,
-        };
+impl Completion {
+    /// Notes a result that ends the command.
+    pub(super) fn add_end(&mut self, key: &str) {
+        if !self.ends_by.iter().any(|known| known == key) {
+            self.ends_by.push(key.to_owned());
+        }
+    }
+
+    /// Determines the completion result after a takeover. `values` are the current exports. Returns `None` if one of
+    /// the results that end the command is true anyway.
+    fn complete(
+        &mut self,
+        cancelled: bool,
+        values: &[(String, String)],
+    ) -> Option<Result<String, Unclear>> {
         let up = |(key, value): &(String, String)| value == "true" && self.ends_by.contains(key);
-        if self.ends_by.is_empty() || self.values().iter().any(up) {
+        if self.ends_by.is_empty() || values.iter().any(up) {
             return None;
         }
         let results: Vec<&str> = self.ends_by.iter().map(String::as_str).collect();
-        let found = self
-            .reasons
-            .completion(&results, cancelled)
-            .map(str::to_owned);
+        let found = self.reasons.completion(&results, cancelled);
+        let found = found.map(str::to_owned);
         self.completed = found.as_ref().ok().cloned();
         Some(found)
     }
+}
+
+/// Called when a rule has fired: determines the completion result of each command that it stopped in favour of a
+/// successor.
+pub(super) fn note_takeover(commands: &mut Commands, stopped: &[CommandId], log: &mut Journal) {
+    for command in stopped {
+        let Some(record) = commands.record_of(*command) else {
+            continue;
+        };
+        let how = match complete(record) {
+            Some(Ok(key)) => format!("and is reported as complete ({key})"),
+            Some(Err(why)) => format!("and is not reported as complete: {why}"),
+            None => continue,
+        };
+        log.note(format_args!("{} was taken over, {how}", record.title));
+    }
+}
+
+fn complete(record: &mut Record) -> Option<Result<String, Unclear>> {
+    let cancelled = match record.status.phase {
+        Phase::Is(State::Running) => false,
+        Phase::Is(State::Cancelling) => true,
+        _ => return None,
+    };
+    let values = record.values();
+    record.completion.complete(cancelled, &values)
+}
+
+/// Reports the completion results of the stopped commands: first as true, then as false again. A waiting client sees
+/// the change, and a later one does not take it for a result that a rule could still use.
+pub(super) fn tell_completions(commands: &mut Commands, stopped: &[CommandId]) {
+    for value in [true, false] {
+        for command in stopped {
+            let Some(record) = commands.record_of(*command) else {
+                continue;
+            };
+            if let Some(key) = record.completion.completed.clone() {
+                record.publish_now();
+                record.subscriptions.tell_flag(&key, value);
+            }
+        }
+    }
+}
+
+/// Returns whether the firing of a rule cannot be reported yet, because a command that it stopped is not known to have
+/// run.
+pub(super) fn is_early(commands: &Commands, stopped: &[CommandId]) -> bool {
+    let now = Instant::now();
+    stopped.iter().any(|command| {
+        let found = commands.numbered(*command);
+        found.is_some_and(|(_, record)| {
+            record.completion.completed.is_some() && record.subscriptions.is_held_back(now)
+        })
+    })
 }
 
 impl std::fmt::Display for Unclear {

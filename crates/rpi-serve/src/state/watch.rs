@@ -2,12 +2,12 @@
 
 use std::time::{Duration, Instant};
 
-use rpi_core::Overrun;
 use rpi_host::control::{Board, State};
+use rpi_image::Image;
 use rpi_image::image::Export;
 use rpi_net::literal;
 
-use super::{Desk, Failure, Phase, Record, Sink, Status, Update};
+use super::types::{Failure, Phase, Sink, Status, Update};
 
 /// A request to subscribe to a command.
 pub(crate) struct Watching {
@@ -75,14 +75,44 @@ const HELD: Duration = Duration::from_millis(200);
 /// Minimum period of a subscription.
 const LEAST: Duration = Duration::from_millis(1);
 
-impl Desk {
-    /// Subscribes to a command: reports its state now and at each change, and its exports.
-    pub(crate) fn watch(&mut self, name: &str, watching: Watching) -> Result<(), Failure> {
-        let (number, _) = self.find(name)?;
-        let Some(record) = self.commands.get_mut(&number) else {
-            return Ok(());
-        };
-        record.subscriptions.push(Subscription {
+/// The latest exports of a command, if it has run.
+pub(super) struct Exported<'a> {
+    board: Option<&'a Board>,
+    image: Option<&'a Image>,
+}
+
+impl<'a> Exported<'a> {
+    /// Creates the view of a command's exports.
+    pub(super) fn new(board: Option<&'a Board>, image: Option<&'a Image>) -> Exported<'a> {
+        Exported { board, image }
+    }
+
+    /// Returns the declarations of the exports and their memory slots.
+    fn read(&self) -> Option<(&'a [Export], Vec<u64>)> {
+        let cells = self.board.and_then(Board::read);
+        Some((&self.image?.exports, cells?))
+    }
+
+    /// Returns all exports with a present value: key and text.
+    pub(super) fn values(&self) -> Vec<(String, String)> {
+        let read = self.read();
+        read.map_or_else(Vec::new, |(exports, cells)| texts(exports, &cells))
+    }
+}
+
+/// The subscriptions to one command. Values can be withheld from subscribers with a settling time, so that they get
+/// updates in the order in which they understand them.
+#[derive(Default)]
+pub(super) struct Subscriptions {
+    list: Vec<Subscription>,
+    /// Until when values are withheld from subscribers that depend on the order of updates.
+    held: Option<Instant>,
+}
+
+impl Subscriptions {
+    /// Adds a subscription: reports the values and the state now.
+    pub(super) fn add(&mut self, watching: Watching, status: &Status, exported: &Exported<'_>) {
+        self.list.push(Subscription {
             period: watching.period.max(LEAST),
             settle: watching.settle,
             due: Instant::now(),
@@ -91,70 +121,36 @@ impl Desk {
             sink: watching.sink,
         });
         let now = Instant::now();
-        record.publish(now);
-        if let Some(last) = record.subscriptions.last_mut() {
-            last.tell(&record.status, now);
+        self.publish(now, exported);
+        if let Some(last) = self.list.last_mut() {
+            last.tell(status, now);
         }
-        Ok(())
     }
 
     /// Removes the subscriptions of disconnected clients.
     pub(super) fn forget_deaf(&mut self) {
-        let records = self.commands.values_mut();
-        records.for_each(|r| r.subscriptions.retain(|s| s.sink.is_heard()));
-        self.watchers()
-            .for_each(|list| list.retain(|s| s.is_heard()));
+        self.list.retain(|s| s.sink.is_heard());
     }
 
-    /// Returns the number of subscriptions to anything but commands.
-    #[cfg(test)]
-    pub(crate) fn watching(&mut self) -> usize {
-        self.watchers().map(|list| list.len()).sum()
-    }
-
-    /// Returns all lists of subscribers to anything but commands.
-    fn watchers(&mut self) -> impl Iterator<Item = &mut Vec<Box<dyn Sink>>> {
-        let sessions = self.sessions.values_mut().map(|s| &mut s.watchers);
-        let rules = self.rules.values_mut().map(|r| &mut r.watchers);
-        let tasks = self.tasks.values_mut().map(|t| &mut t.watchers);
-        let others = [&mut self.devices.watchers, &mut self.emergency.watchers];
-        sessions.chain(rules).chain(tasks).chain(others)
-    }
-
-    /// Reports changed exports to all subscriptions that are due.
-    pub(super) fn publish(&mut self) {
-        let now = Instant::now();
-        self.commands.values_mut().for_each(|r| r.publish(now));
-    }
-}
-
-impl Record {
     /// Reports the state to all subscribers; before an end, the values that led to it.
-    pub(super) fn tell_state(&mut self) {
+    pub(super) fn tell_state(&mut self, status: &Status, exported: &Exported<'_>) {
         let now = Instant::now();
-        match self.status.phase {
+        match status.phase {
             Phase::Is(State::Running) => self.held = Some(now + HELD),
-            Phase::Is(State::Terminated) => self.publish_now(),
+            Phase::Is(State::Terminated) => self.publish_now(exported),
             Phase::Unloaded => {
                 self.held = None;
-                self.publish(now);
+                self.publish(now, exported);
             }
             _ => {}
         }
-        self.subscriptions.retain_mut(|s| s.tell(&self.status, now));
+        self.list.retain_mut(|s| s.tell(status, now));
     }
 
     /// Reports a discontinuity to all subscribers.
     pub(super) fn tell_jump(&mut self, jump: &str) {
         let told = |s: &mut Subscription| s.sink.tell(&Update::Jumped(jump));
-        self.subscriptions.retain_mut(told);
-    }
-
-    pub(super) fn set_phase(&mut self, phase: Phase) {
-        if self.status.phase != phase {
-            self.status.phase = phase;
-            self.tell_state();
-        }
+        self.list.retain_mut(told);
     }
 
     /// Called when the firing of the rule that started the command was reported: ends withholding its values.
@@ -163,17 +159,17 @@ impl Record {
     }
 
     /// Reports changed values to all subscribers, whatever their periods.
-    pub(super) fn publish_now(&mut self) {
+    pub(super) fn publish_now(&mut self, exported: &Exported<'_>) {
         let now = Instant::now();
-        self.subscriptions.iter_mut().for_each(|s| s.due = now);
-        self.publish(now);
+        self.list.iter_mut().for_each(|s| s.due = now);
+        self.publish(now, exported);
     }
 
     /// Reports a value of a Boolean export to subscribers with a settling time, regardless of its actual value.
     pub(super) fn tell_flag(&mut self, key: &str, value: bool) {
         let told = [(key.to_owned(), value.to_string())];
         let slow = |s: &&mut Subscription| !s.settle.is_zero();
-        self.subscriptions.iter_mut().filter(slow).for_each(|s| {
+        self.list.iter_mut().filter(slow).for_each(|s| {
             s.sink.tell(&Update::Values(&told));
         });
     }
@@ -184,26 +180,20 @@ impl Record {
 
     /// Returns whether values are withheld from some subscriber.
     pub(super) fn is_held_back(&self, now: Instant) -> bool {
-        self.is_held(now) && self.subscriptions.iter().any(|s| !s.settle.is_zero())
+        self.is_held(now) && self.list.iter().any(|s| !s.settle.is_zero())
     }
 
-    fn publish(&mut self, now: Instant) {
+    /// Reports changed values to the subscribers that are due.
+    pub(super) fn publish(&mut self, now: Instant, exported: &Exported<'_>) {
         let held = self.is_held(now);
         let free = |s: &&mut Subscription| !held || s.settle.is_zero();
-        if self
-            .subscriptions
-            .iter_mut()
-            .filter(free)
-            .any(|s| s.due <= now)
-        {
-            let cells = self.board.as_ref().and_then(|board| board.read());
-            if let (Some(cells), Some(image)) = (cells, &self.image) {
-                let due = self.subscriptions.iter_mut().filter(free);
-                due.filter(|s| s.due <= now)
-                    .for_each(|s| s.tell_values(&image.exports, &cells, now));
-            }
+        let is_due = self.list.iter_mut().filter(free).any(|s| s.due <= now);
+        if is_due && let Some((exports, cells)) = exported.read() {
+            let due = self.list.iter_mut().filter(free);
+            due.filter(|s| s.due <= now)
+                .for_each(|s| s.tell_values(exports, &cells, now));
         }
-        self.subscriptions
+        self.list
             .retain_mut(|s| held && !s.settle.is_zero() || s.tell_late(Some(now)));
     }
 }
@@ -223,44 +213,4 @@ fn changed(exports: &[Export], last: &[u64], now: &[u64]) -> Vec<(String, String
 /// Returns all exports with a present value: key and text.
 pub(crate) fn texts(exports: &[Export], cells: &[u64]) -> Vec<(String, String)> {
     changed(exports, &[], cells)
-}
-
-impl Record {
-    /// Returns the current exports: key and text.
-    pub(crate) fn values(&self) -> Vec<(String, String)> {
-        let cells = self.board.as_ref().and_then(|board| board.read());
-        match (cells, &self.image) {
-            (Some(cells), Some(image)) => texts(&image.exports, &cells),
-            _ => Vec::new(),
-        }
-    }
-}
-
-impl Record {
-    /// Returns the number of cycles that the command has run.
-    pub(crate) fn cycles(&self) -> u64 {
-        self.board.as_ref().map_or(0, |board| board.cycles())
-    }
-
-    /// Returns the period in nanoseconds.
-    pub(crate) fn period_ns(&self) -> u64 {
-        self.image.as_ref().map_or(0, |image| image.period_ns)
-    }
-
-    /// Returns the number of overruns and the worst one; `None` if there was none.
-    pub(crate) fn overruns(&self) -> Option<(u64, Overrun)> {
-        self.board.as_ref().and_then(|board| board.overruns())
-    }
-
-    /// Returns the path of a fragment; empty for the command itself.
-    pub(crate) fn fragment(&self, index: u32) -> Option<&str> {
-        let image = self.image.as_ref()?;
-        let fragment = image.fragments.get(index as usize)?;
-        Some(&fragment.path)
-    }
-
-    /// Returns the memory of the command in bytes.
-    pub(crate) fn bytes(&self) -> usize {
-        self.bytes
-    }
 }

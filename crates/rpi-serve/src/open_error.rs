@@ -1,0 +1,68 @@
+//! Errors of opening the server.
+
+use std::fmt;
+use std::io;
+use std::net::SocketAddr;
+
+/// Error of opening a server.
+#[derive(Debug)]
+pub enum CannotOpen {
+    /// The server would be reachable from other machines without protection.
+    Unguarded {
+        /// Configured listening address.
+        at: SocketAddr,
+        /// No token is configured: every client would be accepted.
+        no_token: bool,
+        /// TLS is not configured: the traffic could be read and changed on its way.
+        no_tls: bool,
+    },
+    /// The certificate or key file cannot be used; the text has the reason.
+    Identity(String),
+    /// A system call failed.
+    System(io::Error),
+}
+
+impl fmt::Display for CannotOpen {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            CannotOpen::Unguarded {
+                at,
+                no_token,
+                no_tls,
+            } => {
+                let lacking = match (no_token, no_tls) {
+                    (true, true) => "a token and TLS",
+                    (true, false) => "a token",
+                    _ => "TLS",
+                };
+                let code = rpi_diag::Code::RPI9201;
+                write!(
+                    f,
+                    "{code}: {at} can be reached from other machines; it requires {lacking}"
+                )
+            }
+            CannotOpen::Identity(why) => f.write_str(why),
+            CannotOpen::System(why) => why.fmt(f),
+        }
+    }
+}
+
+impl std::error::Error for CannotOpen {}
+
+impl From<io::Error> for CannotOpen {
+    fn from(why: io::Error) -> CannotOpen {
+        CannotOpen::System(why)
+    }
+}
+
+/// Adds the address and a hint to an error of binding it.
+pub(crate) fn not_there(at: SocketAddr, why: &io::Error) -> io::Error {
+    let helps = match why.kind() {
+        io::ErrorKind::AddrInUse => {
+            "; another program listens there: end it, or choose another port"
+        }
+        io::ErrorKind::AddrNotAvailable => "; this machine has no such address",
+        _ => "",
+    };
+    io::Error::new(why.kind(), format!("{at}: {why}{helps}"))
+}

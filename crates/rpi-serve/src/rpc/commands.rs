@@ -1,0 +1,101 @@
+//! Methods for commands.
+
+use serde_json::{Value, json};
+
+use super::front::{Answer, Call, RpcFront};
+use super::params::{an_object, literal};
+use super::sink;
+use crate::state::{Record, Reply, ServerState};
+
+/// Loads a command of a program or a net.
+pub(super) fn load(front: &mut RpcFront, call: &Call<'_>) -> Answer {
+    let load = call.load("command")?;
+    let told = call.told_period(front, load.period_ns);
+    let reply = call.later(move |name| told("command", name));
+    front.take_up(load.session)?;
+    front.office.desk().load(&load, reply);
+    Ok(None)
+}
+
+/// Applies an operation to a command, after a check that the client may act on it.
+pub(super) fn one(
+    front: &mut RpcFront,
+    call: &Call<'_>,
+    what: fn(&mut ServerState, &str, Reply),
+) -> Answer {
+    let reply = call.later(|_| json!({}));
+    let command = call.text("command")?;
+    front.may_act(&[command])?;
+    what(&mut front.office.desk(), command, reply);
+    Ok(None)
+}
+
+/// Sets inputs of a command, all between the same two cycles.
+pub(super) fn set(front: &mut RpcFront, call: &Call<'_>) -> Answer {
+    let command = call.text("command")?;
+    front.may_act(&[command])?;
+    let values = call.needed("values", an_object())?;
+    let texts = values
+        .iter()
+        .map(|(key, value)| (key.as_str(), literal(value)));
+    let texts: Vec<(&str, String)> = texts.collect();
+    let values = texts
+        .iter()
+        .map(|(key, text)| (command, *key, text.as_str()));
+    let values: Vec<_> = values.collect();
+    front.office.desk().set(&values, call.later(|_| json!({})));
+    Ok(None)
+}
+
+/// Returns the state, the ports and the values of a command.
+pub(super) fn describe(front: &mut RpcFront, call: &Call<'_>) -> Answer {
+    let state = front.office.desk();
+    let (_, record) = state.objects.commands.find(call.text("command")?)?;
+    let mut told = description(record);
+    if let Some(bound_ns) = state.core.bound_ns(record) {
+        told["bound"] = json!(seconds(bound_ns));
+    }
+    Ok(Some(told))
+}
+
+/// Returns all commands with their states.
+pub(super) fn list_commands(front: &mut RpcFront, _: &Call<'_>) -> Answer {
+    let state = front.office.desk();
+    let told = state.objects.commands.all().map(|(name, record)| {
+        let mut told = sink::status(&record.status);
+        told["command"] = json!(name);
+        told["title"] = json!(record.title);
+        told
+    });
+    Ok(Some(json!({"commands": told.collect::<Value>()})))
+}
+
+fn description(record: &Record) -> Value {
+    let mut told = sink::status(&record.status);
+    told["title"] = json!(record.title);
+    told["cycles"] = json!(record.cycles());
+    told["period"] = json!(seconds(record.period_ns()));
+    told["values"] = sink::values(&record.values());
+    if let Some((count, worst)) = record.overruns() {
+        told["overruns"] = json!({
+            "count": count,
+            "tick": worst.tick,
+            "took": seconds(worst.took_ns),
+            "late": seconds(worst.late_ns),
+            "fragment": record.fragment(worst.fragment),
+        });
+    }
+    if let Some(image) = &record.image {
+        let port = |key: &str, ty: rpi_image::Type| json!({"key": key, "type": ty.to_string()});
+        let inputs = image.inputs.iter().map(|i| port(&i.key, i.value.ty));
+        told["inputs"] = inputs.collect();
+        let exports = image.exports.iter().map(|e| port(&e.key, e.value.ty));
+        told["exports"] = exports.collect();
+        told["results"] = json!(crate::state::results(image));
+    }
+    told
+}
+
+fn seconds(ns: u64) -> f64 {
+    ns as f64 * 1e-9
+}

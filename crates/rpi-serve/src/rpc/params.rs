@@ -1,0 +1,164 @@
+//! Reading of parameters, with errors that name the parameter and the expected type.
+
+use std::time::Duration;
+
+use rpi_core::OnOverrun;
+use serde_json::{Map, Value, json};
+
+use super::front::{Call, RpcFront};
+use crate::state::{Failure, Language, Load};
+
+impl<'a> Call<'a> {
+    /// Returns the load request. `named` is the parameter with the name of the command or task within the text.
+    pub(super) fn load(&self, named: &str) -> Result<Load<'a>, Failure> {
+        let languages = [("rpi", Language::Rpi), ("rpinet", Language::Rpinet)];
+        let language = self.one_of("language", &languages)?;
+        Ok(Load {
+            session: self.text("session")?,
+            title: self.optional("title", a_text())?.unwrap_or_default(),
+            language: language.unwrap_or(Language::Rpi),
+            text: self.text("text")?,
+            command: self.optional(named, a_text())?,
+            period_ns: u64::try_from(self.seconds("period", 0.0)?.as_nanos()).unwrap_or(u64::MAX),
+            on_overrun: self.on_overrun()?,
+        })
+    }
+
+    /// Returns the overrun policy, if there is one.
+    fn on_overrun(&self) -> Result<Option<OnOverrun>, Failure> {
+        let text = self.optional("on_overrun", a_text())?;
+        let policy = text.map(str::parse).transpose();
+        policy.map_err(|why| Failure::Bad(format!("on_overrun: {why}")))
+    }
+
+    /// Returns a function that makes the answer to a load: the name and the period, and whether the period was rounded.
+    pub(super) fn told_period(
+        &self,
+        front: &RpcFront,
+        asked_ns: u64,
+    ) -> impl FnOnce(&str, String) -> Value + Send + 'static {
+        let period_ns = front.office.desk().defaults.period(asked_ns);
+        move |kind, name| {
+            let mut told = json!({"period": period_ns as f64 * 1e-9});
+            told[kind] = json!(name);
+            if asked_ns > 0 && asked_ns != period_ns {
+                told["rounded"] = json!(true);
+            }
+            told
+        }
+    }
+
+    /// Returns a Boolean parameter; false if it is missing.
+    pub(super) fn flag(&self, key: &str) -> Result<bool, Failure> {
+        Ok(self.optional(key, a_flag())?.unwrap_or(false))
+    }
+
+    /// Returns the value that belongs to a parameter with a fixed set of words; `None` if it is missing.
+    pub(super) fn one_of<T: Copy>(
+        &self,
+        key: &str,
+        words: &[(&str, T)],
+    ) -> Result<Option<T>, Failure> {
+        let Some(word) = self.optional(key, a_text())? else {
+            return Ok(None);
+        };
+        let found = words.iter().find(|(known, _)| *known == word);
+        let known = || words.iter().map(|(known, _)| *known).collect::<Vec<_>>();
+        let bad = || Failure::Bad(format!("{key}: expected one of {}", known().join(", ")));
+        found.map(|(_, meant)| Some(*meant)).ok_or_else(bad)
+    }
+
+    /// Returns an optional parameter, or an error if its value has the wrong type.
+    pub(super) fn optional<T>(
+        &self,
+        key: &str,
+        (what, read): Kind<'a, T>,
+    ) -> Result<Option<T>, Failure> {
+        match self.params.get(key) {
+            None | Some(Value::Null) => Ok(None),
+            Some(value) => {
+                let bad = || Failure::Bad(format!("{key}: expected {what}, found {}", kind(value)));
+                read(value).map(Some).ok_or_else(bad)
+            }
+        }
+    }
+
+    /// Returns a required parameter, or an error if it is missing or its value has the wrong type.
+    pub(super) fn needed<T>(&self, key: &str, kind: Kind<'a, T>) -> Result<T, Failure> {
+        let lacks = || Failure::Bad(format!("the parameter {key} is missing: {}", kind.0));
+        self.optional(key, kind)?.ok_or_else(lacks)
+    }
+
+    /// Returns a required text.
+    pub(super) fn text(&self, key: &str) -> Result<&'a str, Failure> {
+        self.needed(key, a_text())
+    }
+
+    /// Returns a list of texts; an empty one if the parameter is missing.
+    pub(super) fn texts(&self, key: &str) -> Result<Vec<&'a str>, Failure> {
+        Ok(self.optional(key, some_texts())?.unwrap_or_default())
+    }
+
+    /// Returns a duration given in seconds; `unless_said` seconds if the parameter is missing.
+    pub(super) fn seconds(&self, key: &str, unless_said: f64) -> Result<Duration, Failure> {
+        let seconds = self.optional(key, a_number())?.unwrap_or(unless_said);
+        let time = Duration::try_from_secs_f64(seconds);
+        let usable = time.ok().filter(|time| *time <= LONGEST);
+        let most = LONGEST.as_secs();
+        let bad = || {
+            Failure::Bad(format!(
+                "{key}: expected 0 to {most} seconds, found {seconds:?}"
+            ))
+        };
+        usable.ok_or_else(bad)
+    }
+}
+
+/// Maximum duration of a time parameter.
+const LONGEST: Duration = Duration::from_secs(3600);
+
+/// Type of a parameter: its description for error messages and the function that reads it.
+pub(super) type Kind<'a, T> = (&'static str, fn(&'a Value) -> Option<T>);
+
+/// Returns the type of texts.
+pub(super) fn a_text<'a>() -> Kind<'a, &'a str> {
+    ("a text", Value::as_str)
+}
+
+fn a_flag<'a>() -> Kind<'a, bool> {
+    ("true or false", Value::as_bool)
+}
+
+fn a_number<'a>() -> Kind<'a, f64> {
+    ("a number", Value::as_f64)
+}
+
+/// Returns the type of objects.
+pub(super) fn an_object<'a>() -> Kind<'a, &'a Map<String, Value>> {
+    ("an object", Value::as_object)
+}
+
+fn some_texts<'a>() -> Kind<'a, Vec<&'a str>> {
+    ("a list of texts", |value| {
+        value.as_array()?.iter().map(Value::as_str).collect()
+    })
+}
+
+/// Describes the type of a JSON value for error messages.
+fn kind(value: &Value) -> &'static str {
+    match value {
+        Value::Null => "null",
+        Value::Bool(_) => "true or false",
+        Value::Number(_) => "a number",
+        Value::String(_) => "a text",
+        Value::Array(_) => "a list",
+        Value::Object(_) => "an object",
+    }
+}
+
+/// Returns the text of a value: a text itself, a number or Boolean in JSON notation.
+pub(super) fn literal(value: &Value) -> String {
+    value
+        .as_str()
+        .map_or_else(|| value.to_string(), str::to_owned)
+}

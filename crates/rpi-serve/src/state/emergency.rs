@@ -1,0 +1,116 @@
+//! Emergency stop: everything is stopped at once, and nothing can be started until a reset.
+//!
+//! The stop does not go through the request queue: the cycle reads an atomic flag in each tick and stops everything
+//! while it is set. The flag is cleared once all earlier requests were carried out, so that none of them restarts a
+//! command.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use super::core_link::CoreLink;
+use super::pending::{Then, answer};
+use super::subscribers::Subscribers;
+use super::types::{Failure, Reply, Sink, Update};
+
+/// State of the emergency stop.
+#[derive(Default)]
+pub(crate) struct Emergency {
+    /// Flag read by the cycle.
+    alarm: Arc<AtomicBool>,
+    /// Whether the request that marks the end of all earlier ones is still to be sent.
+    waits: bool,
+    /// Who requested the stop; `None` after a reset.
+    by: Option<String>,
+    pub(super) watchers: Subscribers,
+}
+
+/// Maximum number of characters kept of the requester's name.
+const LONGEST: usize = 200;
+
+/// Returns the name of a requester in the form that is kept and logged: one line of limited length.
+pub(super) fn requester(by: &str) -> String {
+    by.chars()
+        .filter(|c| !c.is_control())
+        .take(LONGEST)
+        .collect()
+}
+
+impl Emergency {
+    /// Returns the flag that the cycle reads.
+    pub(crate) fn alarm(&self) -> Arc<AtomicBool> {
+        Arc::clone(&self.alarm)
+    }
+
+    /// Returns who requested the emergency stop in force.
+    pub(crate) fn by(&self) -> Option<&str> {
+        self.by.as_deref()
+    }
+
+    /// Sets the flag: the cycle stops everything in its next tick.
+    pub(super) fn raise(&mut self, by: String) {
+        self.alarm.store(true, Ordering::Relaxed);
+        // The first requester is kept.
+        self.by.get_or_insert(by);
+    }
+
+    /// Sends the stop as an ordinary request too, which is carried out after all pending ones.
+    pub(super) fn ask_behind(&mut self, core: &mut CoreLink, reply: Option<Reply>) {
+        let ticket = core.control.emergency_stop();
+        self.waits = ticket.is_err();
+        match ticket {
+            Ok(ticket) => {
+                core.asked(Ok(ticket), Then::Stopped, reply);
+            }
+            // The flag has stopped everything already, so the client need not wait for the repeated request.
+            Err(_) => answer(reply, Ok(String::new())),
+        }
+    }
+
+    /// Repeats the request if the queue was full.
+    pub(super) fn keep_stopped(&mut self, core: &mut CoreLink) {
+        if self.waits {
+            self.ask_behind(core, None);
+        }
+    }
+
+    /// Called when all earlier requests were carried out: clears the flag.
+    pub(super) fn has_stopped(&mut self) {
+        self.alarm.store(false, Ordering::Relaxed);
+    }
+
+    /// Resets the emergency stop: commands can be started again. Returns whether one was in force.
+    ///
+    /// # Errors
+    /// If a device still moves or earlier requests are pending.
+    pub(super) fn reset(&mut self, moving: bool) -> Result<bool, Failure> {
+        let still = self.alarm.load(Ordering::Relaxed) || moving;
+        if self.by.is_some() && still {
+            return Err(Failure::InUse("devices are still braking".to_owned()));
+        }
+        let was_stopped = self.by.take().is_some();
+        if was_stopped {
+            self.tell();
+        }
+        Ok(was_stopped)
+    }
+
+    /// Subscribes to the emergency stop: reports its state now and at each change.
+    pub(crate) fn watch(&mut self, sink: Box<dyn Sink>) {
+        let by = self.by.as_deref();
+        self.watchers.add(sink, &Update::Emergency(by));
+    }
+
+    /// Reports the state to all subscribers.
+    pub(super) fn tell(&mut self) {
+        let by = self.by.as_deref();
+        self.watchers.tell(&Update::Emergency(by));
+    }
+
+    /// Returns an error if an emergency stop is in force.
+    pub(super) fn may_start(&self) -> Result<(), Failure> {
+        match &self.by {
+            Some(by) => Err(Failure::Stopped(by.clone())),
+            None => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,94 @@
+//! Evaluation of a net for one cycle and its exports. Clients use it to read sensors and to compute kinematics.
+
+use rpi_host::control::{State, Why};
+
+use super::commands::Commands;
+use super::core_link::CoreLink;
+use super::owed::Debt;
+use super::pending::Then;
+use super::types::{Failure, Phase, Reply};
+use super::watch::texts;
+
+/// Callback for the exports after one cycle: key and value.
+pub(crate) type Take = Box<dyn FnOnce(Vec<(String, String)>) + Send>;
+
+/// A client that waits for the single cycle.
+pub(crate) struct Eval {
+    /// Callback for the error, if the cycle does not take place.
+    pub(super) reply: Reply,
+    pub(super) take: Take,
+}
+
+/// Reports the exports of evaluations that have run, and unloads their commands.
+pub(super) fn finish_evals(commands: &mut Commands, core: &mut CoreLink) {
+    let evals = commands.iter().filter(|(_, r)| r.eval.is_some());
+    let over: Vec<u64> = evals
+        .filter(|(_, r)| {
+            let ran = r.board.as_ref().is_some_and(|b| b.cycles() > 0);
+            ran || matches!(r.status.phase, Phase::Is(State::Terminated))
+        })
+        .map(|(number, _)| number)
+        .collect();
+    for number in over {
+        finish_eval(commands, number, core);
+    }
+}
+
+fn finish_eval(commands: &mut Commands, number: u64, core: &mut CoreLink) {
+    let Some(record) = commands.get_mut(number) else {
+        return;
+    };
+    let cells = record.board.as_ref().and_then(|b| b.read());
+    let exports = record.image.as_ref().map_or(&[][..], |i| &i.exports);
+    let values = cells.map(|cells| texts(exports, &cells));
+    record.unload_at_end = true;
+    if let Some(eval) = record.eval.take() {
+        match values {
+            Some(values) => (eval.take)(values),
+            None => (eval.reply)(Err(Failure::Bad("the net did not run".to_owned()))),
+        }
+    }
+    commands.owe(number, Debt::Abort(Why::Request), core);
+    commands.owe(number, Debt::Unload, core);
+}
+
+/// Starts the command of an evaluation. `may_start` is an error during an emergency stop; then only a command without
+/// actuators is started.
+pub(super) fn start_eval(
+    commands: &mut Commands,
+    number: u64,
+    may_start: Result<(), Failure>,
+    core: &mut CoreLink,
+) {
+    let Some(record) = commands.get(number) else {
+        return;
+    };
+    let moves = record
+        .image
+        .as_ref()
+        .is_some_and(|i| !i.actuators.is_empty());
+    let started = match may_start {
+        Err(why) if moves => Err(why),
+        _ => record.id.map_or(Err(Failure::Busy), |id| {
+            core.control.start(id).map_err(Failure::from)
+        }),
+    };
+    match started {
+        Ok(ticket) => drop(core.asked(Ok(ticket), Then::Eval(number), None)),
+        Err(why) => give_up_eval(commands, number, why, core),
+    }
+}
+
+/// Reports that the cycle does not take place, and unloads the command.
+pub(super) fn give_up_eval(
+    commands: &mut Commands,
+    number: u64,
+    why: Failure,
+    core: &mut CoreLink,
+) {
+    let record = commands.get_mut(number);
+    if let Some(eval) = record.and_then(|r| r.eval.take()) {
+        (eval.reply)(Err(why));
+    }
+    commands.owe(number, Debt::Unload, core);
+}

@@ -1,0 +1,216 @@
+//! Loading of commands and tasks: from the request of a client over the loader thread to the core.
+
+use std::sync::Arc;
+
+use rpi_core::OnOverrun;
+use rpi_host::control::State;
+
+use super::ServerState;
+use super::core_link::CoreLink;
+use super::defaults::CommandDefaults;
+use super::devices::Devices;
+use super::eval::{Eval, Take};
+use super::journal::Journal;
+use super::loader::{Job, Language, Loaded, Made, Origin, What};
+use super::objects::Objects;
+use super::queue::Queue;
+use super::record::Record;
+use super::room::NOBODY;
+use super::tasks::TaskRecord;
+use super::types::{Failure, Phase, Reply, shortened};
+use crate::script::Script;
+
+/// A request to load a command or task.
+pub(crate) struct Load<'a> {
+    pub(crate) session: &'a str,
+    pub(crate) title: &'a str,
+    pub(crate) language: Language,
+    pub(crate) text: &'a str,
+    /// Name of the command or task within the text; `None` if there is only one.
+    pub(crate) command: Option<&'a str>,
+    /// Period in nanoseconds; 0 for one tick.
+    pub(crate) period_ns: u64,
+    /// Policy for cycles that take too long; `None` for the server's default.
+    pub(crate) on_overrun: Option<OnOverrun>,
+}
+
+impl Load<'_> {
+    /// Returns the number of bytes of the text that are kept.
+    fn bytes(&self) -> usize {
+        self.text.len() + self.command.map_or(0, str::len)
+    }
+}
+
+/// The parts of the state that take part in loading.
+pub(super) struct Loading<'s> {
+    pub(super) objects: &'s mut Objects,
+    pub(super) core: &'s mut CoreLink,
+    pub(super) jobs: &'s Queue,
+    pub(super) devices: &'s Devices,
+    pub(super) defaults: &'s CommandDefaults,
+    pub(super) log: &'s mut Journal,
+    /// Maximum length of a title in bytes.
+    pub(super) longest: usize,
+}
+
+impl ServerState {
+    /// Loads a command on the loader thread. The reply has its name.
+    pub(crate) fn load(&mut self, load: &Load<'_>, reply: Reply) {
+        match self.objects.sessions.number(load.session) {
+            Ok(session) => self.loading().load(session, load, None, reply),
+            Err(why) => reply(Err(why)),
+        }
+    }
+
+    /// Loads a task on the loader thread. The reply has its name.
+    pub(crate) fn load_task(&mut self, load: &Load<'_>, reply: Reply) {
+        match self.objects.sessions.number(load.session) {
+            Ok(session) => self.loading().load_task(session, load, reply),
+            Err(why) => reply(Err(why)),
+        }
+    }
+
+    /// Runs a net for one cycle. It must not need an actuator that another command holds.
+    pub(crate) fn eval(&mut self, text: &str, take: Take, reply: Reply) {
+        let load = Load {
+            session: "",
+            title: "eval",
+            language: Language::Rpinet,
+            text,
+            command: None,
+            period_ns: 0,
+            on_overrun: None,
+        };
+        let eval = Eval { reply, take };
+        let nobody: Reply = Box::new(|_| ());
+        self.loading().load(NOBODY, &load, Some(eval), nobody);
+    }
+
+    /// Returns the parts of the state that take part in loading.
+    pub(super) fn loading(&mut self) -> Loading<'_> {
+        Loading {
+            objects: &mut self.objects,
+            core: &mut self.core,
+            jobs: &self.jobs,
+            devices: &self.devices,
+            defaults: &self.defaults,
+            log: &mut self.log,
+            longest: self.limits.name,
+        }
+    }
+}
+
+impl Loading<'_> {
+    fn load(&mut self, session: u64, load: &Load<'_>, eval: Option<Eval>, reply: Reply) {
+        let room = self.objects.has_room(session, load.bytes(), self.core);
+        if let Err(why) = room {
+            return reply(Err(why));
+        }
+        let number = self.objects.number();
+        let title = shortened(load.title, self.longest);
+        let job = self.job(What::Command, (number, session), load);
+        let record = Record {
+            origin: Some(job.origin.clone()),
+            text: Some(Arc::clone(&job.origin.text)),
+            loading: Some(reply),
+            eval,
+            bytes: load.bytes(),
+            ..Record::new(session, &title, Phase::Is(State::Loading))
+        };
+        self.objects.commands.insert(number, record);
+        self.send(job);
+    }
+
+    fn load_task(&mut self, session: u64, load: &Load<'_>, reply: Reply) {
+        let room = self.objects.has_room(session, load.bytes(), self.core);
+        if let Err(why) = room {
+            return reply(Err(why));
+        }
+        let number = self.objects.number();
+        let title = shortened(load.title, self.longest);
+        let job = self.job(What::Task, (number, session), load);
+        let text = (Arc::clone(&job.origin.text), load.bytes());
+        let record = TaskRecord::new(session, title, text, job.on_overrun, reply);
+        self.objects.tasks.insert(number, record);
+        self.send(job);
+    }
+
+    fn job(&self, what: What, (number, session): (u64, u64), load: &Load<'_>) -> Job {
+        Job {
+            what,
+            number,
+            session,
+            client: self.objects.sessions.client_of(session),
+            origin: Origin {
+                language: load.language,
+                text: load.text.into(),
+                command: load.command.map(str::to_owned),
+            },
+            period_ns: self.defaults.period(load.period_ns),
+            tick_ns: self.defaults.tick_ns,
+            on_overrun: load.on_overrun.unwrap_or(self.defaults.on_overrun),
+        }
+    }
+
+    fn send(&mut self, job: Job) {
+        let number = job.number;
+        if !self.jobs.push(job) {
+            self.reject(number, Failure::Limit("queued loads of one client"));
+        }
+    }
+
+    /// Removes a command or task whose loading failed and reports the error.
+    fn reject(&mut self, number: u64, why: Failure) {
+        self.objects.reject(number, why, self.log);
+    }
+
+    /// Called when loading is finished: inserts the command into the core, or reports why it failed.
+    pub(super) fn loaded(&mut self, job: Job, loaded: Result<Made, Vec<String>>) {
+        match loaded {
+            Err(reasons) => self.reject(job.number, Failure::Rejected(reasons)),
+            Ok(Made::Task(script)) => self.task_loaded(job.number, script),
+            // Devices were added or removed meanwhile, so the device names must be resolved again.
+            Ok(Made::Command(loaded)) if loaded.generation != self.devices.generation() => {
+                self.send(job);
+            }
+            Ok(Made::Command(loaded)) => self.insert(job.number, loaded),
+        }
+    }
+
+    fn insert(&mut self, number: u64, loaded: Loaded) {
+        // The command may have been removed with its session while it was being compiled.
+        if self.objects.commands.get(number).is_none() {
+            return;
+        }
+        let bytes = loaded.command.machine().footprint();
+        let room = self.core.may_ask();
+        let room = room.and_then(|()| self.objects.has_memory(number, bytes, self.core));
+        if let Err(why) = room {
+            return self.reject(number, why);
+        }
+        let commands = &mut self.objects.commands;
+        if let Some(record) = commands.get_mut(number) {
+            if record.title.is_empty() {
+                record.title.clone_from(&loaded.image.name);
+            }
+            record.completion.reasons = loaded.reasons;
+            record.given = loaded.given;
+        }
+        match self.core.control.adopt_with_board(loaded.command) {
+            Ok(adopted) => {
+                commands.adopted(number, adopted, loaded.image, bytes, self.core);
+            }
+            Err(why) => self.reject(number, why.into()),
+        }
+    }
+
+    fn task_loaded(&mut self, number: u64, script: Script) {
+        let bytes = script.images.iter().map(|image| image.footprint()).sum();
+        let room = self.objects.has_memory(number, bytes, self.core);
+        if let Err(why) = room {
+            return self.reject(number, why);
+        }
+        self.objects.tasks.loaded(number, script, bytes);
+        self.objects.forget_task_if_abandoned(number);
+    }
+}

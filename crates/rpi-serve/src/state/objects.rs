@@ -1,0 +1,214 @@
+//! Sessions and what they own: commands and tasks. Ownership decides which client may act on an object, and whose quota
+//! it counts for.
+
+use super::commands::Commands;
+use super::core_link::CoreLink;
+use super::journal::Journal;
+use super::number_of;
+use super::owed::Debt;
+use super::pending::answer;
+use super::record::Record;
+use super::room::{NOBODY, Usage};
+use super::rules::RuleRecord;
+use super::sessions::Sessions;
+use super::tasks::Tasks;
+use super::types::{Failure, MEMORY};
+use crate::fair::Client;
+use crate::limits::{Limits, OnLoss};
+use crate::peer::Peer;
+
+/// The sessions with their commands and tasks. Numbers are given in the order of loading and never twice.
+pub(crate) struct Objects {
+    pub(crate) sessions: Sessions,
+    pub(crate) commands: Commands,
+    pub(crate) tasks: Tasks,
+    limits: Limits,
+    /// The last number given to an object.
+    last: u64,
+}
+
+impl Objects {
+    /// Creates empty tables. `on_loss` is the default policy for the loss of a client.
+    pub(super) fn new(limits: Limits, on_loss: OnLoss) -> Objects {
+        Objects {
+            sessions: Sessions::new(on_loss),
+            commands: Commands::default(),
+            tasks: Tasks::default(),
+            limits,
+            last: 0,
+        }
+    }
+
+    /// Returns a new number, unique among all objects.
+    pub(super) fn number(&mut self) -> u64 {
+        self.last += 1;
+        self.last
+    }
+
+    /// Registers a connection as a client.
+    pub(crate) fn client(&mut self, peer: Peer) -> Client {
+        Client::new(self.number(), peer)
+    }
+
+    /// Returns an error if this command, task or session belongs to another connected client. An unknown name is no
+    /// error here.
+    pub(crate) fn may_act(&self, client: Client, name: &str) -> Result<(), Failure> {
+        let command = number_of(name, 'n').and_then(|n| self.commands.get(n));
+        let task = number_of(name, 't').and_then(|n| self.tasks.session_of(n));
+        let session = command.map(|r| r.session).or(task);
+        let session = session.or(number_of(name, 's'));
+        session.map_or(Ok(()), |session| {
+            self.sessions.may_act_in(client, session, name)
+        })
+    }
+
+    /// Returns an error if a command on which the rule acts belongs to another connected client.
+    pub(super) fn may_change(
+        &self,
+        client: Client,
+        name: &str,
+        rule: &RuleRecord,
+    ) -> Result<(), Failure> {
+        let mut records = rule.acts_on().filter_map(|id| self.commands.numbered(*id));
+        records.try_for_each(|(_, r)| self.sessions.may_act_in(client, r.session, name))
+    }
+
+    /// Opens a session for a client and returns its name. On a shared session, every client that knows its name may
+    /// act.
+    pub(super) fn open_session(
+        &mut self,
+        name: &str,
+        on_loss: Option<OnLoss>,
+        owner: (Client, bool),
+    ) -> Result<String, Failure> {
+        self.sessions.has_room(owner.0, &self.limits)?;
+        let number = self.number();
+        let shown = (name, self.limits.name);
+        Ok(self.sessions.open(number, shown, on_loss, owner))
+    }
+
+    /// Makes room for a command or task with this many bytes of text.
+    pub(super) fn has_room(
+        &mut self,
+        session: u64,
+        text: usize,
+        core: &mut CoreLink,
+    ) -> Result<(), Failure> {
+        self.fits(session, core, |usage, limits, client| {
+            let (count, bytes) = usage.taken(client);
+            let room = count.admit(1, limits.commands);
+            room.map_err(|full| Failure::limit(full, "commands"))?;
+            let memory = bytes.admit(text, limits.memory);
+            memory.map_err(|full| Failure::limit(full, MEMORY))
+        })
+    }
+
+    /// Makes room for the memory of a loaded command or task.
+    pub(super) fn has_memory(
+        &mut self,
+        number: u64,
+        bytes: usize,
+        core: &mut CoreLink,
+    ) -> Result<(), Failure> {
+        self.fits(self.session_of(number), core, |usage, limits, client| {
+            let memory = usage.taken(client).1.admit(bytes, limits.memory);
+            memory.map_err(|full| Failure::limit(full, MEMORY))
+        })
+    }
+
+    /// Makes room for the memory of the next command of a task. Only the total limit applies, not the share of the
+    /// client, so that other clients cannot stop a running task.
+    pub(super) fn has_memory_left(
+        &mut self,
+        number: u64,
+        bytes: usize,
+        core: &mut CoreLink,
+    ) -> Result<(), Failure> {
+        self.fits(self.session_of(number), core, |usage, limits, _| {
+            let memory = usage.taken(None).1.admit(bytes, limits.memory);
+            memory.map_err(|full| Failure::limit(full, MEMORY))
+        })
+    }
+
+    fn session_of(&self, number: u64) -> u64 {
+        let command = self.commands.get(number).map(|r| r.session);
+        let session = command.or(self.tasks.session_of(number));
+        session.unwrap_or(NOBODY)
+    }
+
+    fn usage(&self) -> Usage<'_> {
+        Usage {
+            sessions: &self.sessions,
+            commands: &self.commands,
+            tasks: &self.tasks,
+        }
+    }
+
+    /// Removes ended commands and tasks of the client, oldest first, until `admit` succeeds.
+    fn fits(
+        &mut self,
+        session: u64,
+        core: &mut CoreLink,
+        admit: impl Fn(&Usage<'_>, &Limits, Option<Client>) -> Result<(), Failure>,
+    ) -> Result<(), Failure> {
+        let client = self.sessions.client_of(session);
+        while let Err(why) = admit(&self.usage(), &self.limits, client) {
+            let Some(oldest) = self.usage().oldest_ended(session, client) else {
+                return Err(why);
+            };
+            match self.tasks.contains(oldest) {
+                true => self.tasks.forget(oldest),
+                false => self.give_up(oldest, core),
+            }
+        }
+        Ok(())
+    }
+
+    fn give_up(&mut self, command: u64, core: &mut CoreLink) {
+        self.commands.owe(command, Debt::Unload, core);
+        if let Some(record) = self.commands.get_mut(command) {
+            // Its quota is free from now on; its table entry is freed once the cycle has returned it.
+            (record.session, record.bytes) = (NOBODY, 0);
+        }
+    }
+
+    /// Removes a command or task whose loading failed and reports the error.
+    pub(super) fn reject(&mut self, number: u64, why: Failure, log: &mut Journal) {
+        if let Some((called, session, reply)) = self.tasks.remove(number) {
+            log.note(format_args!("{called} cannot be loaded: {why}"));
+            answer(reply, Err(why));
+            self.close_if_empty(session);
+        } else if let Some(record) = self.commands.remove(number) {
+            let called = record.called(number);
+            log.note(format_args!("{called} cannot be loaded: {why}"));
+            let reply = record.eval.map(|e| e.reply).or(record.loading);
+            answer(reply, Err(why));
+            self.close_if_empty(record.session);
+        }
+    }
+
+    /// Removes a closed session that owns no command or task any more.
+    pub(super) fn close_if_empty(&mut self, number: u64) {
+        let owns = self.commands.of_session(number).next().is_some();
+        if !owns && !self.tasks.any_of_session(number) {
+            self.sessions.remove_closed(number);
+        }
+    }
+
+    /// Removes a task that is to be unloaded, once it can be.
+    pub(super) fn forget_task_if_abandoned(&mut self, number: u64) {
+        if let Some(session) = self.tasks.abandoned(number) {
+            self.tasks.forget(number);
+            self.close_if_empty(session);
+        }
+    }
+
+    /// Removes the record of a command that the core has freed.
+    pub(super) fn forget_command(&mut self, mut record: Record) {
+        record.set_phase(super::Phase::Unloaded);
+        if let Some(eval) = record.eval.take() {
+            (eval.reply)(Err(Failure::Busy));
+        }
+        self.close_if_empty(record.session);
+    }
+}

@@ -1,0 +1,194 @@
+//! State of one command in the server.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use rpi_core::Overrun;
+use rpi_host::control::{Board, Cause, CommandId, Ending, State};
+use rpi_image::Image;
+use rpi_image::image::{End, EndKind};
+use rpi_net::Given;
+
+use super::completion::Completion;
+use super::eval::Eval;
+use super::loader::Origin;
+use super::types::{Failure, Phase, Reply, Status};
+use super::watch::{Exported, Subscriptions};
+
+/// State of a command in the server.
+pub(crate) struct Record {
+    /// Id in the core, once the command is on its way there.
+    pub(crate) id: Option<CommandId>,
+    pub(crate) session: u64,
+    /// Title chosen by the owner, for display.
+    pub(crate) title: String,
+    /// Number of the task that the command is part of.
+    pub(super) task: Option<u64>,
+    /// Source of the command; `None` for a command of a task.
+    pub(crate) origin: Option<Origin>,
+    /// Source text, also for a command of a task.
+    pub(super) text: Option<Arc<str>>,
+    /// Inputs that are taken over when the command starts. An input that was set is no longer needed.
+    pub(super) given: Vec<Given>,
+    pub(crate) status: Status,
+    pub(crate) image: Option<Arc<Image>>,
+    pub(super) board: Option<Arc<Board>>,
+    pub(super) subscriptions: Subscriptions,
+    pub(super) completion: Completion,
+    /// Callback for the result of loading.
+    pub(super) loading: Option<Reply>,
+    /// Present if the command runs for a single cycle.
+    pub(super) eval: Option<Eval>,
+    /// Whether the command is to be unloaded once it has ended.
+    pub(super) unload_at_end: bool,
+    /// Memory of the command in bytes.
+    pub(super) bytes: usize,
+}
+
+impl Record {
+    /// Creates the state of a command that is not loaded yet.
+    pub(super) fn new(session: u64, title: &str, phase: Phase) -> Record {
+        Record {
+            id: None,
+            session,
+            title: title.to_owned(),
+            task: None,
+            origin: None,
+            text: None,
+            given: Vec::new(),
+            status: Status::new(phase),
+            image: None,
+            board: None,
+            subscriptions: Subscriptions::default(),
+            completion: Completion::default(),
+            loading: None,
+            eval: None,
+            unload_at_end: false,
+            bytes: 0,
+        }
+    }
+
+    /// Returns the name and title of the command for the log.
+    pub(super) fn called(&self, number: u64) -> String {
+        called(&format!("n{number}"), &self.title)
+    }
+
+    /// Returns whether the command runs or ends on its path.
+    pub(super) fn runs(&self) -> bool {
+        let runs = [State::Running, State::Cancelling].map(Phase::Is);
+        runs.contains(&self.status.phase)
+    }
+
+    /// Returns whether the command has ended.
+    pub(super) fn has_ended(&self) -> bool {
+        self.status.phase == Phase::Is(State::Terminated)
+    }
+
+    /// Returns an error if a required input has no value: a command that is started by request has no predecessor to
+    /// take it from. `name` is the name of the command.
+    pub(super) fn has_all(&self, name: &str) -> Result<(), Failure> {
+        let needed = self.given.iter().filter(|given| given.is_needed);
+        let needed: Vec<&str> = needed.map(|given| given.key.as_str()).collect();
+        let waits = self.status.phase == Phase::Is(State::Ready);
+        match needed.is_empty() || !waits {
+            true => Ok(()),
+            false => Err(Failure::Bad(format!(
+                "{name} takes over {} but has no predecessor; set it (`command.set`) or schedule {name} after a command",
+                needed.join(", ")
+            ))),
+        }
+    }
+
+    /// Returns whether the command uses the device as a sensor, an actuator or in a function.
+    pub(super) fn uses(&self, device: &str) -> bool {
+        self.image.as_ref().is_some_and(|image| {
+            let sensors = image.sensors.iter().map(|s| &s.port);
+            let actuators = image.actuators.iter().map(|a| &a.port);
+            let functions = image.functions.iter().map(|f| &f.port);
+            let mut ports = sensors.chain(actuators).chain(functions);
+            ports.any(|port| port.device == device)
+        })
+    }
+
+    /// Changes the state and reports it to all subscribers.
+    pub(super) fn set_phase(&mut self, phase: Phase) {
+        if self.status.phase != phase {
+            self.status.phase = phase;
+            self.tell_state();
+        }
+    }
+
+    fn tell_state(&mut self) {
+        let exported = Exported::new(self.board.as_deref(), self.image.as_deref());
+        self.subscriptions.tell_state(&self.status, &exported);
+    }
+
+    /// Reports changed values to the subscribers that are due.
+    pub(super) fn publish(&mut self, now: Instant) {
+        let exported = Exported::new(self.board.as_deref(), self.image.as_deref());
+        self.subscriptions.publish(now, &exported);
+    }
+
+    /// Reports changed values to all subscribers, whatever their periods.
+    pub(super) fn publish_now(&mut self) {
+        let exported = Exported::new(self.board.as_deref(), self.image.as_deref());
+        self.subscriptions.publish_now(&exported);
+    }
+
+    /// Returns the current exports: key and text.
+    pub(crate) fn values(&self) -> Vec<(String, String)> {
+        Exported::new(self.board.as_deref(), self.image.as_deref()).values()
+    }
+
+    /// Returns the number of cycles that the command has run.
+    pub(crate) fn cycles(&self) -> u64 {
+        self.board.as_ref().map_or(0, |board| board.cycles())
+    }
+
+    /// Returns the period in nanoseconds.
+    pub(crate) fn period_ns(&self) -> u64 {
+        self.image.as_ref().map_or(0, |image| image.period_ns)
+    }
+
+    /// Returns the number of overruns and the worst one; `None` if there was none.
+    pub(crate) fn overruns(&self) -> Option<(u64, Overrun)> {
+        self.board.as_ref().and_then(|board| board.overruns())
+    }
+
+    /// Returns the path of a fragment; empty for the command itself.
+    pub(crate) fn fragment(&self, index: u32) -> Option<&str> {
+        let image = self.image.as_ref()?;
+        let fragment = image.fragments.get(index as usize)?;
+        Some(&fragment.path)
+    }
+
+    /// Returns the memory of the command in bytes.
+    pub(crate) fn bytes(&self) -> usize {
+        self.bytes
+    }
+}
+
+/// Returns a name with its title for display.
+pub(super) fn called(name: &str, title: &str) -> String {
+    match title {
+        "" => name.to_owned(),
+        title => format!("{name} ({title})"),
+    }
+}
+
+/// Returns the names of the results by which a command can end.
+pub(crate) fn results(image: &Image) -> Vec<&str> {
+    match &image.end {
+        End::Results(results) => results.iter().map(|r| r.name.as_str()).collect(),
+        End::Ports { .. } => Vec::new(),
+    }
+}
+
+/// Returns whether a command has ended in motion by `yield` and its successor has continued the motion.
+pub(super) fn yields(image: &Image, ending: &Ending) -> bool {
+    let (Cause::Result(k), End::Results(results)) = (ending.cause, &image.end) else {
+        return false;
+    };
+    let kind = results.get(k).map(|r| r.kind);
+    kind == Some(EndKind::Yield) && !ending.left_moving
+}

@@ -1,0 +1,171 @@
+//! Sessions: who owns commands and tasks.
+
+use std::collections::BTreeMap;
+
+use super::journal::Journal;
+use super::number_of;
+use super::subscribers::Subscribers;
+use super::types::{Failure, Sink, Update, shortened};
+use crate::fair::{Client, Holder, Taken};
+use crate::limits::{Limits, OnLoss};
+
+/// A session.
+struct Session {
+    /// Name given by the client, for display.
+    name: String,
+    on_loss: OnLoss,
+    /// Client that opened the session or took it over.
+    client: Client,
+    /// Whether every client that knows the name of the session may act on it.
+    shared: bool,
+    /// Whether the client has disconnected or closed the session.
+    closed: bool,
+    watchers: Subscribers,
+}
+
+impl Session {
+    /// Returns the client that is charged for the session.
+    fn holder(&self) -> Holder {
+        match self.closed {
+            true => Holder::Was(self.client),
+            false => Holder::Is(self.client),
+        }
+    }
+}
+
+/// The sessions by number. A closed session stays until it owns nothing any more.
+pub(crate) struct Sessions {
+    records: BTreeMap<u64, Session>,
+    /// Policy for the commands of a session whose client has disconnected, unless the client specifies one.
+    on_loss: OnLoss,
+}
+
+impl Sessions {
+    /// Creates the table of sessions with the default policy for the loss of a client.
+    pub(super) fn new(on_loss: OnLoss) -> Sessions {
+        Sessions {
+            records: BTreeMap::new(),
+            on_loss,
+        }
+    }
+
+    /// Returns an error if the session belongs to another connected client. `what` is named in the error.
+    pub(super) fn may_act_in(
+        &self,
+        client: Client,
+        session: u64,
+        what: &str,
+    ) -> Result<(), Failure> {
+        let session = self.records.get(&session);
+        let owned = session.filter(|s| !s.closed && !s.shared);
+        match owned.is_some_and(|s| s.client != client) {
+            true => Err(Failure::NotYours(what.to_owned())),
+            false => Ok(()),
+        }
+    }
+
+    /// Returns an error if the client may not open another session.
+    pub(super) fn has_room(&self, client: Client, limits: &Limits) -> Result<(), Failure> {
+        let held = self.records.values().map(|s| (s.holder(), 1));
+        let taken = Taken::by(Some(client), held);
+        taken
+            .admit(1, limits.sessions)
+            .map_err(|full| Failure::limit(full, "sessions"))
+    }
+
+    /// Opens a session for a client and returns its name. On a shared session, every client that knows its name may
+    /// act. `most` is the maximum length of the display name in bytes.
+    pub(super) fn open(
+        &mut self,
+        number: u64,
+        (name, most): (&str, usize),
+        on_loss: Option<OnLoss>,
+        (client, shared): (Client, bool),
+    ) -> String {
+        let session = Session {
+            name: shortened(name, most),
+            on_loss: on_loss.unwrap_or(self.on_loss),
+            client,
+            shared,
+            closed: false,
+            watchers: Subscribers::default(),
+        };
+        self.records.insert(number, session);
+        format!("s{number}")
+    }
+
+    /// Returns the number of a session.
+    pub(super) fn number(&self, name: &str) -> Result<u64, Failure> {
+        let found = number_of(name, 's').filter(|n| self.records.contains_key(n));
+        found.ok_or_else(|| Failure::Unknown(format!("session {name}")))
+    }
+
+    /// Lets a client take over a session whose client has disconnected. Returns whether it did.
+    pub(crate) fn take_up(&mut self, name: &str, client: Client) -> bool {
+        let session = number_of(name, 's').and_then(|n| self.records.get_mut(&n));
+        session.is_some_and(|session| {
+            let was_closed = std::mem::replace(&mut session.closed, false);
+            if was_closed {
+                session.client = client;
+            }
+            was_closed
+        })
+    }
+
+    /// Returns the names of all sessions with the names that their clients gave.
+    pub(crate) fn all(&self) -> impl Iterator<Item = (String, &str)> {
+        let sessions = self.records.iter();
+        sessions.map(|(number, session)| (format!("s{number}"), session.name.as_str()))
+    }
+
+    /// Called when the client of a session has disconnected: closes it. Returns its number and policy.
+    pub(super) fn lose(&mut self, name: &str, log: &mut Journal) -> Option<(u64, OnLoss)> {
+        let number = number_of(name, 's')?;
+        log.note(format_args!(
+            "the client of session {name} has disconnected"
+        ));
+        let session = self.records.get_mut(&number)?;
+        session.closed = true;
+        Some((number, session.on_loss))
+    }
+
+    /// Closes a session.
+    pub(super) fn close(&mut self, number: u64) {
+        if let Some(session) = self.records.get_mut(&number) {
+            session.closed = true;
+        }
+    }
+
+    /// Subscribes to a session: reports whether it is open, now and at each change.
+    pub(crate) fn watch(&mut self, name: &str, sink: Box<dyn Sink>) -> Result<(), Failure> {
+        let number = self.number(name)?;
+        if let Some(session) = self.records.get_mut(&number) {
+            session.watchers.add(sink, &Update::Session(true));
+        }
+        Ok(())
+    }
+
+    /// Returns the client that is charged for a session; `None` for commands that are only waiting to be freed.
+    pub(super) fn client_of(&self, session: u64) -> Option<Client> {
+        self.records.get(&session).map(|s| s.client)
+    }
+
+    /// Returns whom the resources of a session are charged to.
+    pub(super) fn holder(&self, session: u64) -> Holder {
+        let session = self.records.get(&session);
+        session.map_or(Holder::Nobody, Session::holder)
+    }
+
+    /// Removes a session that owns nothing any more, if it is closed.
+    pub(super) fn remove_closed(&mut self, number: u64) {
+        let closed = self.records.get(&number).is_some_and(|s| s.closed);
+        if closed && let Some(mut session) = self.records.remove(&number) {
+            session.watchers.tell(&Update::Session(false));
+        }
+    }
+
+    /// Returns the lists of subscribers.
+    pub(super) fn watchers(&mut self) -> impl Iterator<Item = &mut Subscribers> {
+        self.records.values_mut().map(|s| &mut s.watchers)
+    }
+}

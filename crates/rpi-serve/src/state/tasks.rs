@@ -1,0 +1,307 @@
+//! Tasks of programs: loaded as a whole and executed outside the cycle thread, with lookahead.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use rpi_core::OnOverrun;
+use rpi_host::control::{CommandId, Event};
+use rpi_host::run::{Plan, Task};
+
+use super::commands::Commands;
+use super::journal::Journal;
+use super::number_of;
+use super::pending::answer;
+use super::record::called;
+use super::subscribers::Subscribers;
+use super::task_status::{Step, TaskPhase, TaskStatus};
+use super::types::{Failure, Reply, Sink, Update};
+use crate::script::Script;
+
+/// State of a task in the server.
+pub(super) struct TaskRecord {
+    pub(super) session: u64,
+    title: String,
+    /// Memory of the task in bytes.
+    bytes: usize,
+    /// Source text.
+    pub(super) text: Arc<str>,
+    pub(super) script: Option<Script>,
+    /// Policy for its commands if their cycles take too long.
+    pub(super) on_overrun: OnOverrun,
+    task: Option<Task<Plan>>,
+    pub(super) status: TaskStatus,
+    watchers: Subscribers,
+    /// Callback for the result of loading.
+    loading: Option<Reply>,
+    /// Whether the task is to be unloaded once it has ended.
+    unload_at_end: bool,
+    /// Whether the status has changed since the latest report.
+    pub(super) changed: bool,
+}
+
+impl TaskRecord {
+    /// Creates the state of a task that is being loaded. `reply` receives the result.
+    pub(super) fn new(
+        session: u64,
+        title: String,
+        (text, bytes): (Arc<str>, usize),
+        on_overrun: OnOverrun,
+        reply: Reply,
+    ) -> TaskRecord {
+        TaskRecord {
+            session,
+            text,
+            title,
+            bytes,
+            script: None,
+            on_overrun,
+            task: None,
+            status: TaskStatus::loading(),
+            watchers: Subscribers::default(),
+            loading: Some(reply),
+            unload_at_end: false,
+            changed: false,
+        }
+    }
+
+    fn has_ended(&self) -> bool {
+        matches!(self.status.phase, TaskPhase::Ended(_))
+    }
+
+    fn called(&self, number: u64) -> String {
+        called(&format!("t{number}"), &self.title)
+    }
+
+    fn tell_progress(&mut self) {
+        if std::mem::take(&mut self.changed) {
+            self.watchers.tell(&Update::Task(&self.status));
+        }
+    }
+}
+
+/// The tasks by number.
+#[derive(Default)]
+pub(crate) struct Tasks {
+    records: BTreeMap<u64, TaskRecord>,
+}
+
+impl Tasks {
+    /// Adds a task that is being loaded.
+    pub(super) fn insert(&mut self, number: u64, record: TaskRecord) {
+        self.records.insert(number, record);
+    }
+
+    /// Returns the task with this number.
+    pub(super) fn get(&self, number: u64) -> Option<&TaskRecord> {
+        self.records.get(&number)
+    }
+
+    /// Returns the task with this number.
+    pub(super) fn get_mut(&mut self, number: u64) -> Option<&mut TaskRecord> {
+        self.records.get_mut(&number)
+    }
+
+    /// Returns whether there is a task with this number.
+    pub(super) fn contains(&self, number: u64) -> bool {
+        self.records.contains_key(&number)
+    }
+
+    /// Returns the session of a task.
+    pub(super) fn session_of(&self, number: u64) -> Option<u64> {
+        self.records.get(&number).map(|r| r.session)
+    }
+
+    /// Returns the session and memory of each task.
+    pub(super) fn sizes(&self) -> impl Iterator<Item = (u64, usize)> + Clone {
+        self.records.values().map(|r| (r.session, r.bytes))
+    }
+
+    /// Returns the number and session of each ended task, oldest first.
+    pub(super) fn ended(&self) -> impl Iterator<Item = (u64, u64)> {
+        let ended = self.records.iter().filter(|(_, r)| r.has_ended());
+        ended.map(|(number, r)| (*number, r.session))
+    }
+
+    /// Returns the numbers of the tasks of a session.
+    pub(super) fn of_session(&self, session: u64) -> Vec<u64> {
+        let own = self.records.iter().filter(|(_, r)| r.session == session);
+        own.map(|(number, _)| *number).collect()
+    }
+
+    /// Returns whether a session owns a task.
+    pub(super) fn any_of_session(&self, session: u64) -> bool {
+        self.records.values().any(|r| r.session == session)
+    }
+
+    /// Called when loading is finished: makes the task ready.
+    pub(super) fn loaded(&mut self, number: u64, script: Script, bytes: usize) {
+        if let Some(record) = self.records.get_mut(&number) {
+            record.script = Some(script);
+            record.bytes += bytes;
+            record.status.phase = TaskPhase::Ready;
+            answer(record.loading.take(), Ok(format!("t{number}")));
+        }
+    }
+
+    /// Removes a task that could not be loaded. Returns its display name, its session and the callback for the result.
+    pub(super) fn remove(&mut self, number: u64) -> Option<(String, u64, Option<Reply>)> {
+        let record = self.records.remove(&number)?;
+        Some((record.called(number), record.session, record.loading))
+    }
+
+    fn number(&self, name: &str) -> Result<u64, Failure> {
+        let found = number_of(name, 't').filter(|n| self.records.contains_key(n));
+        found.ok_or_else(|| Failure::Unknown(format!("task {name}")))
+    }
+
+    fn find(&mut self, name: &str) -> Result<(u64, &mut TaskRecord), Failure> {
+        let number = self.number(name)?;
+        let record = self.records.get_mut(&number);
+        let record = record.ok_or_else(|| Failure::Unknown(format!("task {name}")))?;
+        Ok((number, record))
+    }
+
+    /// Starts a task; its first commands start in one of the next ticks. A task can be started only once.
+    pub(super) fn start(&mut self, name: &str) -> Result<(), Failure> {
+        let (_, record) = self.find(name)?;
+        let ready = record.status.phase == TaskPhase::Ready;
+        let script = record.script.as_ref().filter(|_| ready);
+        let phase = record.status.phase.name();
+        let script = script.ok_or_else(|| Failure::Bad(format!("{name} is {phase}")))?;
+        record.task = Some(Task::new(script.plan.clone()));
+        record.status.phase = TaskPhase::Running;
+        record.changed = true;
+        Ok(())
+    }
+
+    /// Notes that a running task is cancelled, and returns its number.
+    pub(super) fn cancel(&mut self, name: &str) -> Result<u64, Failure> {
+        let (number, record) = self.find(name)?;
+        match record.status.phase {
+            TaskPhase::Running | TaskPhase::Cancelling => {
+                record.status.phase = TaskPhase::Cancelling;
+                record.changed = true;
+                Ok(number)
+            }
+            phase => Err(Failure::Bad(format!("{name} is {}", phase.name()))),
+        }
+    }
+
+    /// Returns the numbers of all tasks that have started and not ended.
+    pub(super) fn under_way(&self) -> Vec<u64> {
+        let under_way = self.records.iter().filter(|(_, r)| r.task.is_some());
+        under_way.map(|(number, _)| *number).collect()
+    }
+
+    /// Takes the execution state of a running task, to work on it. [`Tasks::put_back`] must follow.
+    pub(super) fn take(&mut self, number: u64) -> Option<Task<Plan>> {
+        self.records.get_mut(&number)?.task.take()
+    }
+
+    /// Returns the execution state of a running task to it.
+    pub(super) fn put_back(&mut self, number: u64, task: Task<Plan>) {
+        if let Some(record) = self.records.get_mut(&number) {
+            record.task = Some(task);
+        }
+    }
+
+    /// Marks a task to be unloaded once it has ended. Returns its number.
+    pub(super) fn unload_at_end(&mut self, name: &str) -> Result<u64, Failure> {
+        let (number, record) = self.find(name)?;
+        record.unload_at_end = true;
+        Ok(number)
+    }
+
+    /// Marks the task with this number to be unloaded once it has ended.
+    pub(super) fn abandon(&mut self, number: u64) {
+        if let Some(record) = self.records.get_mut(&number) {
+            record.unload_at_end = true;
+        }
+    }
+
+    /// Returns the progress of a task.
+    pub(crate) fn status(&self, name: &str) -> Result<&TaskStatus, Failure> {
+        let number = self.number(name)?;
+        let record = self.records.get(&number);
+        let record = record.ok_or_else(|| Failure::Unknown(format!("task {name}")))?;
+        Ok(&record.status)
+    }
+
+    /// Returns all tasks with name, title and progress.
+    pub(crate) fn all(&self) -> impl Iterator<Item = (String, &str, &TaskStatus)> {
+        let tasks = self.records.iter();
+        tasks.map(|(number, r)| (format!("t{number}"), r.title.as_str(), &r.status))
+    }
+
+    /// Subscribes to a task: reports its progress now and at each change.
+    pub(crate) fn watch(&mut self, name: &str, sink: Box<dyn Sink>) -> Result<(), Failure> {
+        let (_, record) = self.find(name)?;
+        record.watchers.add(sink, &Update::Task(&record.status));
+        Ok(())
+    }
+
+    /// Returns the lists of subscribers.
+    pub(super) fn watchers(&mut self) -> impl Iterator<Item = &mut Subscribers> {
+        self.records.values_mut().map(|r| &mut r.watchers)
+    }
+
+    /// Passes an event of the cycle to all tasks.
+    pub(super) fn hear(&mut self, event: &Event) {
+        let tasks = self.records.values_mut().filter_map(|r| r.task.as_mut());
+        tasks.for_each(|task| task.hear(event));
+    }
+
+    /// Reports the progress of a task after it was advanced.
+    pub(super) fn note_progress(&mut self, number: u64, commands: &Commands, log: &mut Journal) {
+        let Some(record) = self.records.get_mut(&number) else {
+            return;
+        };
+        let task = record.task.as_ref();
+        let running = task.map(Task::running).unwrap_or_default();
+        let named = running.iter().filter_map(|id| {
+            let (number, record) = commands.numbered(*id)?;
+            record
+                .runs()
+                .then(|| (format!("n{number}"), record.title.clone()))
+        });
+        let (named, end): (Vec<_>, _) = (named.collect(), task.and_then(Task::end));
+        record.changed |= record.status.running != named;
+        record.status.running = named;
+        if let Some(end) = end {
+            record.task = None;
+            record.status.phase = TaskPhase::Ended(end);
+            record.changed = true;
+            let word = record.status.phase.name();
+            log.note(format_args!("{} has ended: {word}", record.called(number)));
+        }
+        record.tell_progress();
+    }
+
+    /// Adds an ended command to the progress of its task.
+    pub(super) fn note_step(&mut self, id: CommandId, commands: &Commands) {
+        let Some((_, record)) = commands.numbered(id) else {
+            return;
+        };
+        let task = record.task.and_then(|task| self.records.get_mut(&task));
+        if let Some((task, step)) = task.zip(Step::of(id, record)) {
+            task.changed = true;
+            task.status.push(step);
+        }
+    }
+
+    /// Returns the session of a task that is to be unloaded and can be.
+    pub(super) fn abandoned(&self, number: u64) -> Option<u64> {
+        let record = self.records.get(&number).filter(|r| r.unload_at_end)?;
+        let can = record.has_ended() || record.status.phase == TaskPhase::Ready;
+        can.then_some(record.session)
+    }
+
+    /// Removes a task and reports to its subscribers that it is unloaded.
+    pub(super) fn forget(&mut self, number: u64) {
+        if let Some(mut record) = self.records.remove(&number) {
+            record.tell_progress();
+            record.status.phase = TaskPhase::Unloaded;
+            record.watchers.tell(&Update::Task(&record.status));
+        }
+    }
+}
