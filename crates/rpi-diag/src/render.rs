@@ -1,8 +1,8 @@
 //! Findings for people: headline, snippets, then help, notes and fixes.
 
-use crate::count::counted;
 use crate::footer;
 use crate::{Finding, Severity, SourceMap, Style, cut, snippet};
+use rpi_words::counted;
 
 /// Findings that are shown; whoever has more reads the others once these are mended.
 const MOST: usize = 100;

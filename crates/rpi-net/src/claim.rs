@@ -66,24 +66,3 @@ pub struct ClaimRead {
     /// The names of its values, if it is an enum.
     pub values: Vec<String>,
 }
-
-/// How the keys of all exports begin that are there for the sake of claims; no key of a program holds a blank.
-const PREFIX: &str = "claim ";
-
-/// The key of the claim of this number.
-#[must_use]
-pub fn claim_key(number: usize) -> String {
-    format!("{PREFIX}{number}")
-}
-
-/// The key of a flow that a claim reads.
-#[must_use]
-pub fn read_key(claim: &str, flow: &str) -> String {
-    format!("{claim}: {flow}")
-}
-
-/// Whether an export is there only for the sake of a claim.
-#[must_use]
-pub fn is_for_claim(key: &str) -> bool {
-    key.starts_with(PREFIX)
-}

@@ -1,6 +1,5 @@
 //! One leaf of a port of a node that runs by itself, as it stands in a table of samples: a column.
 
-use crate::literal;
 use rpi_image::{Scalar, Type};
 
 /// A column: its name, and how its values are written.
@@ -45,7 +44,7 @@ impl Column {
     }
 
     fn literal(&self, text: &str) -> Result<Vec<u64>, String> {
-        match literal::read(text, Type::One(self.ty)) {
+        match rpi_literal::read(text, Type::One(self.ty)) {
             Ok(Some(value)) => Ok(value.cells().to_vec()),
             Ok(None) => Err("a value is needed".to_owned()),
             Err(error) => Err(format!("`{text}` is no {}: {error}", self.ty.name())),
@@ -69,7 +68,7 @@ impl Column {
             Scalar::Bool => (cell != 0).to_string(),
             Scalar::Int => self.named(cell.cast_signed()),
             Scalar::Real => format!("{:?}", f64::from_bits(cell)),
-            ty => literal::write(cells, Type::One(ty)),
+            ty => rpi_literal::write(cells, Type::One(ty)),
         }
     }
 

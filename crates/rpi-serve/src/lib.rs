@@ -1,7 +1,7 @@
 //! Network server for the control core. Clients load, start, schedule and watch commands while others run.
 //!
 //! ```text
-//! clients --- wire (HTTP, websocket, lines) --- dio | rpc | web --- desk ==rpi_host::control== cycle
+//! clients --- wire (HTTP, websocket, lines) --- dio | rpc | web --- desk ==rpi_runtime::control== cycle
 //! ```
 //! - `cycle` runs the core and the devices on one thread that never blocks on another thread.
 //! - `desk` holds the server state: sessions, commands, rules, devices and subscriptions. Loading has its own thread.
@@ -25,6 +25,6 @@ mod web;
 mod wire;
 
 pub use limits::{Limits, OnLoss};
-pub use rpi_host::realtime::Pace;
+pub use rpi_runtime::realtime::Pace;
 pub use script::Script;
 pub use server::{CannotOpen, Server, Settings, TlsFiles};

@@ -11,9 +11,11 @@ use std::time::{Duration, Instant};
 
 use rpi_core::{Continuity, Watch};
 use rpi_device::NoDevices;
-use rpi_host::control::{Budget, Options, open};
-use rpi_host::realtime::{self, Beat, Grant, Pace, RealTime};
-use rpi_host::recording::{Taped, Wanted, Written, record};
+use rpi_record::recording::{Wanted, record};
+use rpi_runtime::control::{Budget, Options, open};
+use rpi_runtime::realtime::{self, Beat, Grant, Pace, RealTime};
+use rpi_runtime::run::Written;
+use rpi_runtime::tape::Taped;
 use rpi_sim::Cell;
 
 use crate::cycle::Cycle;

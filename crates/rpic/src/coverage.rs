@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use rpi_diag::{FileId, SourceMap, Span};
 use rpi_driver::Marks;
-use rpi_host::testing::Coverage;
+use rpi_replay::testing::Coverage;
 
 /// What was seen, by places in the text: what is instantiated several times counts once.
 #[derive(Default)]

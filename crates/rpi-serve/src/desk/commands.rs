@@ -4,12 +4,12 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use rpi_core::OnOverrun;
-use rpi_host::control::{
-    Adopted, Board, Cause, CommandId, Control, Ending, Rejected, Setting, State, Ticket, Why,
-};
 use rpi_image::Image;
 use rpi_image::image::{End, EndKind, InputPort};
-use rpi_net::{Given, literal};
+use rpi_net::Given;
+use rpi_runtime::control::{
+    Adopted, Board, Cause, CommandId, Control, Ending, Rejected, Setting, State, Ticket, Why,
+};
 
 use super::completion::Reasons;
 use super::eval::Eval;
@@ -409,7 +409,7 @@ impl Record {
 fn cells(input: &InputPort, text: &str) -> Result<Box<[u64]>, Failure> {
     let ty = input.value.ty;
     let bad = |why: String| Failure::Bad(format!("`{text}` is not of type {ty}: {why}"));
-    let value = literal::read(text, ty).map_err(|e| bad(e.to_string()))?;
+    let value = rpi_literal::read(text, ty).map_err(|e| bad(e.to_string()))?;
     let value = value.ok_or_else(|| bad("an input must have a value".to_owned()))?;
     Ok(value.cells().into())
 }

@@ -28,8 +28,8 @@ use std::fmt;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use rpi_core::{Continuity, OnOverrun};
-use rpi_host::control::{CommandId, Control, Rejected, RuleId, Ticket};
-use rpi_host::recording::Recorder;
+use rpi_record::recording::Recorder;
+use rpi_runtime::control::{CommandId, Control, Rejected, RuleId, Ticket};
 use rpi_sim::{Cell, SimBank};
 
 pub(crate) use crate::fair::Client;

@@ -1,12 +1,11 @@
 //! Events from the cycle, and their effects on the server state.
 
-use rpi_host::control::{
+use rpi_runtime::control::{
     Cause, CommandId, Ending, Event, Notice, Outcome, Refused, State, Ticket, Why,
 };
 
 use rpi_device::Jump;
-use rpi_host::recording::Written;
-use rpi_host::run::jump_text;
+use rpi_runtime::run::{Written, jump_text};
 
 use super::commands::{results, yields};
 use super::owed::Debt;

@@ -1,6 +1,6 @@
 //! Shutdown: brings everything to rest before the devices are released.
 
-use rpi_host::control::State;
+use rpi_runtime::control::State;
 
 use super::{Desk, Phase, Then};
 

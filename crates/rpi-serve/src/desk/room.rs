@@ -5,7 +5,7 @@ use super::owed::Debt;
 use super::types::MEMORY;
 use super::{Desk, Failure, Phase, Record};
 use crate::fair::{Client, Holder, Taken};
-use rpi_host::control::State;
+use rpi_runtime::control::State;
 
 /// Session number of commands that are only waiting to be freed.
 const NOBODY: u64 = 0;

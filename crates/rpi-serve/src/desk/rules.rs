@@ -2,8 +2,8 @@
 
 use std::collections::BTreeSet;
 
-use rpi_host::control::{CommandId, Condition, Fact, Rule, RuleId};
 use rpi_image::{Scalar, Type};
+use rpi_runtime::control::{CommandId, Condition, Fact, Rule, RuleId};
 
 use super::commands::results;
 use super::{Client, Desk, Failure, Reply, RuleState, Sink, Then, Update, number_of};

@@ -1,6 +1,6 @@
 //! Sessions: ownership of commands, and what happens to them when the client disconnects.
 
-use rpi_host::control::{State, Why};
+use rpi_runtime::control::{State, Why};
 
 use super::owed::Debt;
 use super::types::shortened;

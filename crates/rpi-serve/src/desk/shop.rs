@@ -4,9 +4,9 @@
 use std::sync::{Arc, PoisonError};
 
 use rpi_core::Command;
-use rpi_host::control::{Adopted, CommandId, Rejected, Rule, RuleId, State, Ticket};
-use rpi_host::run::{NotStarted, Workshop};
 use rpi_image::Image;
+use rpi_runtime::control::{Adopted, CommandId, Rejected, Rule, RuleId, State, Ticket};
+use rpi_runtime::run::{NotStarted, Workshop};
 
 use super::commands::Record;
 use super::owed::Debt;

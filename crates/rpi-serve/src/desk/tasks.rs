@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use rpi_core::OnOverrun;
-use rpi_host::control::{CommandId, Event, State};
-use rpi_host::run::{Plan, Task, TaskEnd};
+use rpi_runtime::control::{CommandId, Event, State};
+use rpi_runtime::run::{Plan, Task, TaskEnd};
 
 use super::commands::called;
 use super::loader::{Job, Origin, What};

@@ -3,9 +3,8 @@
 use std::time::{Duration, Instant};
 
 use rpi_core::Overrun;
-use rpi_host::control::{Board, State};
 use rpi_image::image::Export;
-use rpi_net::literal;
+use rpi_runtime::control::{Board, State};
 
 use super::{Desk, Failure, Phase, Record, Sink, Status, Update};
 
@@ -215,7 +214,10 @@ fn changed(exports: &[Export], last: &[u64], now: &[u64]) -> Vec<(String, String
     let news = now.filter_map(|(export, value)| {
         let known = before.next().and_then(|(_, value)| value);
         let value = value.filter(|v| known != Some(v))?;
-        Some((export.key.clone(), literal::write(value, export.value.ty)))
+        Some((
+            export.key.clone(),
+            rpi_literal::write(value, export.value.ty),
+        ))
     });
     news.collect()
 }
