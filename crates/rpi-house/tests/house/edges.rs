@@ -131,7 +131,6 @@ const EDGES: &[(&str, &[&str])] = &[
             "rpi-image",
             "rpi-lsp",
             "rpi-net",
-            "rpi-prims",
             "rpi-replay",
             "rpi-runtime",
             "rpi-syntax",
@@ -141,7 +140,6 @@ const EDGES: &[(&str, &[&str])] = &[
         "rpi",
         &[
             "rpi-core",
-            "rpi-device",
             "rpi-diag",
             "rpi-driver",
             "rpi-image",
