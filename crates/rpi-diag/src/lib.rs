@@ -13,12 +13,10 @@
 //! | `snippet.rs`, `apart.rs`, `texts.rs`, `footer.rs` | parts of the output for people |
 //! | `style.rs` | capabilities of the terminal |
 //! | `apply.rs` | applying fixes to texts |
-//! | `suggest.rs` | "did you mean" |
 
 mod apart;
 mod apply;
 mod codes;
-mod count;
 mod cut;
 mod finding;
 mod footer;
@@ -30,16 +28,14 @@ mod sarif;
 mod snippet;
 mod span;
 mod style;
-mod suggest;
 mod tell;
 mod texts;
 
 pub use apply::{apply, sure_edits, sure_fixes};
 pub use codes::{Code, Severity};
-pub use count::{counted, times};
 pub use finding::{Applicability, Edit, Finding, Fix, Label};
 pub use format::{Format, render_as};
 pub use render::render;
+pub use rpi_words::{counted, suggest, times};
 pub use span::{FileId, LineCol, SourceMap, Span};
 pub use style::Style;
-pub use suggest::suggest;

@@ -1,8 +1,8 @@
 //! Output for people: headline, snippets, help, notes and fixes.
 
-use crate::count::counted;
 use crate::footer;
 use crate::{Finding, Severity, SourceMap, Style, cut, snippet};
+use rpi_words::counted;
 
 /// Largest number of diagnostics that are rendered; the summary counts the others.
 const MOST: usize = 100;

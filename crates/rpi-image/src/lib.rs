@@ -6,10 +6,12 @@
 
 extern crate alloc;
 
+pub mod claim;
 pub mod desc;
 pub mod hash;
 pub mod image;
 pub mod operands;
+pub mod plan;
 pub mod print;
 pub mod rpib;
 pub mod ty;

@@ -66,24 +66,3 @@ pub struct ClaimRead {
     /// Names of the enum's values; empty for other types.
     pub values: Vec<String>,
 }
-
-/// Prefix of the keys of all exports that exist only for claims. No key of a program contains a space.
-const PREFIX: &str = "claim ";
-
-/// Returns the key of the claim with this number.
-#[must_use]
-pub fn claim_key(number: usize) -> String {
-    format!("{PREFIX}{number}")
-}
-
-/// Returns the key of a flow that a claim reads.
-#[must_use]
-pub fn read_key(claim: &str, flow: &str) -> String {
-    format!("{claim}: {flow}")
-}
-
-/// Whether an export exists only for a claim.
-#[must_use]
-pub fn is_for_claim(key: &str) -> bool {
-    key.starts_with(PREFIX)
-}

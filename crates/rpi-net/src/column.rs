@@ -1,6 +1,5 @@
 //! Columns of sample tables: one scalar leaf of an input or output of a net that runs stand-alone.
 
-use crate::literal;
 use rpi_image::{Scalar, Type};
 
 /// Name and value format of one column of a sample table.
@@ -45,7 +44,7 @@ impl Column {
     }
 
     fn literal(&self, text: &str) -> Result<Vec<u64>, String> {
-        match literal::read(text, Type::One(self.ty)) {
+        match rpi_literal::read(text, Type::One(self.ty)) {
             Ok(Some(value)) => Ok(value.cells().to_vec()),
             Ok(None) => Err("expected a value, found `null`".to_owned()),
             Err(error) => Err(format!(
@@ -72,7 +71,7 @@ impl Column {
             Scalar::Bool => (cell != 0).to_string(),
             Scalar::Int => self.named(cell.cast_signed()),
             Scalar::Real => format!("{:?}", f64::from_bits(cell)),
-            ty => literal::write(cells, Type::One(ty)),
+            ty => rpi_literal::write(cells, Type::One(ty)),
         }
     }
 

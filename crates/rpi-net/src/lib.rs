@@ -7,11 +7,9 @@
 pub mod claim;
 mod column;
 mod landmark;
-pub mod literal;
 pub mod lustre;
 pub mod net;
 pub mod passes;
-pub mod plan;
 mod prim;
 pub mod rpinet;
 pub mod shape;

@@ -6,9 +6,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 
 use rpi_core::{Watch, Why};
-use rpi_host::control::Executive;
-use rpi_host::realtime::{self, Beat, Grant, RealTime};
-use rpi_host::recording::{Camera, Taped};
+use rpi_runtime::control::Executive;
+use rpi_runtime::realtime::{self, Beat, Grant, RealTime};
+use rpi_runtime::run::Camera;
+use rpi_runtime::tape::Taped;
 use rpi_sim::SimBank;
 
 /// The core with its devices, its timer and the observer that is called for every command after each of its cycles.

@@ -1,7 +1,7 @@
 //! Network server for the control core. Clients load, start, schedule and watch commands while others run.
 //!
 //! ```text
-//! clients --- wire (HTTP, websocket, lines) --- dio | rpc | web --- state ==rpi_host::control== cycle
+//! clients --- wire (HTTP, websocket, lines) --- dio | rpc | web --- state ==rpi_runtime::control== cycle
 //! ```
 //! - `cycle` runs the core and the devices on one thread that never blocks on another thread.
 //! - `state` holds the server state: sessions, commands, rules, devices and subscriptions. Loading has its own thread.
@@ -29,7 +29,7 @@ mod wire;
 pub use limits::{Limits, OnLoss};
 pub use open_error::CannotOpen;
 pub use rpc::methods;
-pub use rpi_host::realtime::Pace;
+pub use rpi_runtime::realtime::Pace;
 pub use script::Script;
 pub use server::Server;
 pub use settings::{Settings, TlsFiles};

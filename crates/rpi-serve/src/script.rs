@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use rpi_driver::{Task, TaskPlan};
-use rpi_host::run::Plan;
 use rpi_image::Image;
 use rpi_net::Net;
+use rpi_runtime::run::Plan;
 
 /// A task, ready to be loaded.
 #[derive(Clone, PartialEq, Debug)]

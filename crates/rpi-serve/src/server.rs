@@ -10,9 +10,11 @@ use std::time::{Duration, Instant};
 
 use rpi_core::Watch;
 use rpi_device::NoDevices;
-use rpi_host::control::{Options, open};
-use rpi_host::realtime::{self, Beat, Grant, Pace, RealTime};
-use rpi_host::recording::{Taped, Wanted, Written, record};
+use rpi_record::recording::{Wanted, record};
+use rpi_runtime::control::{Options, open};
+use rpi_runtime::realtime::{self, Beat, Grant, Pace, RealTime};
+use rpi_runtime::run::Written;
+use rpi_runtime::tape::Taped;
 use rpi_sim::Cell;
 
 use crate::cycle::Cycle;

@@ -4,8 +4,8 @@ use std::net::{IpAddr, SocketAddr};
 use std::path::PathBuf;
 
 use rpi_core::Continuity;
-use rpi_host::control::Budget;
-use rpi_host::realtime::{Pace, RealTime};
+use rpi_runtime::control::Budget;
+use rpi_runtime::realtime::{Pace, RealTime};
 
 use crate::limits::{Limits, OnLoss};
 use crate::open_error::CannotOpen;

@@ -6,8 +6,8 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum, value_parser};
 use clap_complete::Shell;
 use rpi_driver::Claims;
-use rpi_host::realtime::{OnOverrun, OverrunPolicy, RealTime, Wanted};
-use rpi_host::run::Setting;
+use rpi_runtime::realtime::{OnOverrun, OverrunPolicy, RealTime, Wanted};
+use rpi_runtime::run::Setting;
 use rpi_serve::OnLoss;
 
 use crate::share::ShareArgs;

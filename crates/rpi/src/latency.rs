@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use rpi_core::Continuity;
 use rpi_driver::Claims;
-use rpi_host::latency::{Load, measure, verdict};
-use rpi_host::realtime::{Pace, RealTime, Wanted};
-use rpi_host::run::{self, Job, Limits};
+use rpi_runtime::latency::{Load, measure, verdict};
+use rpi_runtime::realtime::{Pace, RealTime, Wanted};
+use rpi_runtime::run::{self, Job, Limits};
 
 use crate::args::{LatencyArgs, Target};
 use crate::exit::{Exit, Outcome};

@@ -3,9 +3,9 @@
 //! An assumption may depend on earlier outputs, so rows are found by trial: if a row violates an assumption, the run is
 //! restarted, repeated up to this cycle with the rows found so far, and continued with another row.
 
-use rpi_host::node::{NodeRun, Row};
 use rpi_image::Image;
 use rpi_net::{Claim, ClaimKind, Column};
+use rpi_replay::node::{NodeRun, Row};
 
 use crate::random::Random;
 

@@ -7,8 +7,8 @@ use std::path::Path;
 
 use rpi_diag::{Severity, SourceMap, Style, render};
 use rpi_driver::{Claims, Input, Kind, NodeCompiled};
-use rpi_host::node::{NodeRun, Reader, Row, header, line};
 use rpi_net::Column;
+use rpi_replay::node::{NodeRun, Reader, Row, header, line};
 
 use crate::args::{Contracts, NodeArgs, RunArgs};
 use crate::exit::{Exit, Outcome};

@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 
 use rpi_driver::Claims;
-use rpi_host::recording::{Recording, rerun};
-use rpi_host::replay::Options;
-use rpi_host::trace::Trace;
+use rpi_record::recording::{Recording, rerun};
+use rpi_record::trace::Trace;
+use rpi_replay::replay::Options;
 
 use crate::args::ReplayArgs;
 use crate::exit::{Exit, Outcome};
@@ -36,7 +36,7 @@ pub(crate) fn replay(args: &ReplayArgs) -> Outcome {
         tolerance: args.tolerance,
         ..Options::default()
     };
-    let report = rpi_host::replay::replay(net, &trace, &options)?;
+    let report = rpi_replay::replay::replay(net, &trace, &options)?;
     output::put(&match args.json {
         true => format!("{}\n", report.to_json()),
         false => report.to_string(),
@@ -64,7 +64,7 @@ fn verdict(agrees: bool) -> Exit {
     }
 }
 
-fn joined(paths: &[PathBuf]) -> Result<Trace, rpi_host::trace::ReadError> {
+fn joined(paths: &[PathBuf]) -> Result<Trace, rpi_record::trace::ReadError> {
     let mut joined = Trace::default();
     for path in paths {
         joined = joined.merged(&Trace::read(path)?);

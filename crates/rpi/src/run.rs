@@ -8,14 +8,16 @@ use std::time::Duration;
 
 use rpi_diag::{Style, render};
 use rpi_driver::{Asked, Compiled, Program};
-use rpi_host::claims::ClaimSink;
-use rpi_host::control::Budget;
-use rpi_host::plot;
-use rpi_host::realtime::Pace;
-use rpi_host::record::{Digest, Form, Motion, Rows};
-use rpi_host::recording::{Origin, Wanted as Recording};
-use rpi_host::run::{
-    self, CommandEnd, Failure, Job, Limits, Outcome, Several, Share, Sink, Status,
+use rpi_record::record::{Digest, Form, Rows};
+use rpi_record::recording::{Origin, Wanted as Recording};
+use rpi_replay::claims::ClaimSink;
+use rpi_replay::faults::Faults;
+use rpi_replay::motion::Motion;
+use rpi_replay::plot;
+use rpi_runtime::control::Budget;
+use rpi_runtime::realtime::Pace;
+use rpi_runtime::run::{
+    self, CommandEnd, Failure, Job, Limits, Outcome, Several, Share, Sink, StartRecording, Status,
 };
 
 use rpi_net::Net;
@@ -59,10 +61,11 @@ pub(crate) fn run(args: &RunArgs) -> exit::Outcome {
     let interrupt = Interrupt::listen()?;
     let mut outcome = execute(args, &script, &interrupt, &mut several)?;
     outcome.digest = digest.map(|digest| digest.digits());
-    let (mut findings, summary) = claims.told(&mut outcome);
+    let mut faults = Faults::of(&outcome);
+    let (mut findings, summary) = claims.told(&mut outcome, &mut faults);
     // The text that an image was compiled from is not known, so faults have no location.
     if !matches!(compiled.program, Program::Image(_)) {
-        findings.extend(outcome.find_faults(&compiled.sources));
+        findings.extend(faults.locate(&mut outcome, &compiled.sources));
     }
     let style = Style::of(&std::io::stderr());
     rpi_diag::tell!("{}{summary}", render(&findings, &compiled.sources, style));
@@ -191,16 +194,20 @@ pub(crate) fn is_recording(path: &Path) -> bool {
 }
 
 /// Creates an MCAP recording, which can be replayed.
-fn whole(path: &Path, args: &RunArgs, cell: String) -> Result<Recording, Box<dyn Error>> {
+fn whole(
+    path: &Path,
+    args: &RunArgs,
+    cell: String,
+) -> Result<Box<dyn StartRecording>, Box<dyn Error>> {
     let name = args.program.file_name().unwrap_or_default();
-    Ok(Recording {
+    Ok(Box::new(Recording {
         out: Box::new(BufWriter::new(create(path, args)?)),
         origin: Origin {
             program: name.to_string_lossy().into_owned(),
             program_bytes: std::fs::read(&args.program)?,
             cell,
         },
-    })
+    }))
 }
 
 /// Creates an output file; returns an error if it is the program or the cell.

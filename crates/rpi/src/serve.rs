@@ -7,7 +7,7 @@ use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use rpi_diag::counted;
-use rpi_host::recording::{Origin, Wanted};
+use rpi_record::recording::{Origin, Wanted};
 use rpi_serve::{CannotOpen, Server, Settings, TlsFiles};
 use rpi_sim::Cell;
 

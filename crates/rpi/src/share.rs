@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use rpi_host::control::Budget;
+use rpi_runtime::control::Budget;
 
 /// Options for the load of commands.
 #[derive(Args, Debug)]

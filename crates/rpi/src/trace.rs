@@ -6,9 +6,9 @@ use std::sync::Arc;
 use rpi_core::Continuity;
 use rpi_driver::Claims;
 use rpi_driver::Kind;
-use rpi_host::realtime::{Pace, RealTime};
-use rpi_host::record::{Filter, Traced, copy};
-use rpi_host::run::{self, Job, Limits};
+use rpi_record::record::{Filter, Traced, copy};
+use rpi_runtime::realtime::{Pace, RealTime};
+use rpi_runtime::run::{self, Job, Limits};
 
 use crate::args::TraceArgs;
 use crate::exit::{Exit, Outcome};
@@ -25,7 +25,7 @@ pub(crate) fn trace(args: &TraceArgs) -> Outcome {
     } else if Kind::of(&args.source).is_some() {
         record(args)
     } else {
-        let text = rpi_host::trace::read_text(&args.source)?;
+        let text = rpi_record::trace::read_text(&args.source)?;
         pick(args, &text)
     }
 }

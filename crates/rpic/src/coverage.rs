@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use rpi_diag::{FileId, SourceMap, Span};
 use rpi_driver::Marks;
-use rpi_host::testing::Coverage;
+use rpi_replay::testing::Coverage;
 
 /// Covered source locations. Several instances of a node share one location and count once.
 #[derive(Default)]

@@ -4,9 +4,9 @@
 use std::path::PathBuf;
 
 use rpi_driver::{Input, Kind, compile, lower_to_run, machine_text};
-use rpi_host::measure::cold_cycle_ns;
 use rpi_net::FragmentId;
 use rpi_net::passes::analyse;
+use rpi_runtime::measure::cold_cycle_ns;
 
 use crate::args::MachineArgs;
 use crate::outcome::{Exit, Outcome, put};

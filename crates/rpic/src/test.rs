@@ -4,9 +4,9 @@ use std::path::Path;
 
 use rpi_diag::{Code, Finding, Format, SourceMap, Span, counted};
 use rpi_driver::{Asked, Claims, Compiled, Input, Test};
-use rpi_host::testing::{Case, Condition, Ended, Holds, Report, run};
 use rpi_image::image::TextRange;
 use rpi_net::{Claim, ClaimKind};
+use rpi_replay::testing::{Case, Condition, Ended, Holds, Report, run};
 
 use crate::args::TestArgs;
 use crate::check::{Report as Told, say, show};

@@ -1,7 +1,6 @@
 //! Constants as expressions of the same value (for rotations: up to rounding).
 
 use rpi_image::{Scalar, Type, Value};
-use rpi_net::literal;
 
 /// Returns the expression of a constant.
 pub(super) fn value(value: &Value) -> String {
@@ -51,7 +50,7 @@ fn parts(make: &str, linear: &[u64], angular: &[u64]) -> String {
 }
 
 fn rotation(cells: &[u64]) -> String {
-    let angles = literal::angles(cells).map(real);
+    let angles = rpi_literal::angles(cells).map(real);
     made("World::RotationFromABC", ["inA", "inB", "inC"], angles)
 }
 

@@ -16,7 +16,7 @@ use instance::Instances;
 
 use plan::Unplanned;
 use rpi_diag::Finding;
-use rpi_net::plan::Target;
+use rpi_image::plan::Target;
 use rpi_sema::elab::task_too_large;
 use rpi_sema::typed::{UnitId, UnitKind};
 
@@ -33,7 +33,7 @@ pub struct Task {
 
 /// Node of a plan. A command is identified by its name, with the arguments if these differ from the parameter names:
 /// `MoveTo(arm, home)`.
-pub type TaskNode = rpi_net::plan::Node<String>;
+pub type TaskNode = rpi_image::plan::Node<String>;
 
 /// Plan of a task.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]

@@ -1,7 +1,7 @@
 //! Conversion of the steps of a task to the nodes of a plan.
 
 use rpi_diag::Span;
-use rpi_net::plan::Target;
+use rpi_image::plan::Target;
 use rpi_sema::elab::{self, Argument, MAX_STEPS, MAX_TASKS_IN_A_ROW};
 use rpi_sema::program::{DeclId, DeclKind};
 use rpi_sema::typed::{TaskStep, Unit, UnitId, UnitKind};

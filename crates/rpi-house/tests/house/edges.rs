@@ -12,9 +12,14 @@ const EDGES: &[(&str, &[&str])] = &[
     ("rpi-core", &["rpi-device", "rpi-image", "rpi-prims"]),
     ("rpi-kin", &[]),
     ("rpi-sim", &["rpi-device", "rpi-image", "rpi-kin"]),
-    ("rpi-diag", &[]),
+    ("rpi-words", &[]),
+    ("rpi-diag", &["rpi-words"]),
     ("rpi-syntax", &["rpi-diag"]),
-    ("rpi-net", &["rpi-diag", "rpi-image", "rpi-prims"]),
+    ("rpi-literal", &["rpi-image", "rpi-prims", "rpi-words"]),
+    (
+        "rpi-net",
+        &["rpi-diag", "rpi-image", "rpi-literal", "rpi-prims"],
+    ),
     (
         "rpi-sema",
         &[
@@ -34,6 +39,7 @@ const EDGES: &[(&str, &[&str])] = &[
         &[
             "rpi-diag",
             "rpi-image",
+            "rpi-literal",
             "rpi-lower",
             "rpi-net",
             "rpi-prims",
@@ -42,15 +48,43 @@ const EDGES: &[(&str, &[&str])] = &[
         ],
     ),
     (
-        "rpi-host",
+        "rpi-runtime",
+        &[
+            "rpi-core",
+            "rpi-device",
+            "rpi-image",
+            "rpi-literal",
+            "rpi-prims",
+            "rpi-sim",
+            "rpi-words",
+        ],
+    ),
+    (
+        "rpi-record",
         &[
             "rpi-core",
             "rpi-device",
             "rpi-diag",
             "rpi-image",
+            "rpi-literal",
+            "rpi-runtime",
+            "rpi-sim",
+            "rpi-words",
+        ],
+    ),
+    (
+        "rpi-replay",
+        &[
+            "rpi-core",
+            "rpi-device",
+            "rpi-diag",
+            "rpi-image",
+            "rpi-literal",
             "rpi-lower",
             "rpi-net",
             "rpi-prims",
+            "rpi-record",
+            "rpi-runtime",
             "rpi-sim",
         ],
     ),
@@ -62,11 +96,13 @@ const EDGES: &[(&str, &[&str])] = &[
             "rpi-device",
             "rpi-diag",
             "rpi-driver",
-            "rpi-host",
             "rpi-image",
             "rpi-kin",
+            "rpi-literal",
             "rpi-net",
             "rpi-prims",
+            "rpi-record",
+            "rpi-runtime",
             "rpi-sim",
         ],
     ),
@@ -91,11 +127,11 @@ const EDGES: &[(&str, &[&str])] = &[
             "rpi-diag",
             "rpi-doc",
             "rpi-driver",
-            "rpi-host",
             "rpi-image",
             "rpi-lsp",
             "rpi-net",
-            "rpi-prims",
+            "rpi-replay",
+            "rpi-runtime",
             "rpi-syntax",
         ],
     ),
@@ -103,12 +139,13 @@ const EDGES: &[(&str, &[&str])] = &[
         "rpi",
         &[
             "rpi-core",
-            "rpi-device",
             "rpi-diag",
             "rpi-driver",
-            "rpi-host",
             "rpi-image",
             "rpi-net",
+            "rpi-record",
+            "rpi-replay",
+            "rpi-runtime",
             "rpi-serve",
             "rpi-sim",
         ],
@@ -186,6 +223,18 @@ const COMPILER: &[&str] = &[
     "rpic",
 ];
 
+/// Crates that run images and record runs. They must not depend on the representations of a program in the compiler.
+const RUNTIME: &[&str] = &["rpi-runtime", "rpi-record"];
+
+/// The representations of a program and the passes between them.
+const REPRESENTATIONS: &[&str] = &[
+    "rpi-driver",
+    "rpi-lower",
+    "rpi-net",
+    "rpi-sema",
+    "rpi-syntax",
+];
+
 /// Third-party crates that the real-time crates may use; all of them work without `std`.
 const NO_STD_THIRD_PARTY: &[&str] = &["libm", "nalgebra", "smallvec"];
 
@@ -222,6 +271,22 @@ fn the_real_time_side_sees_no_compiler() {
             "{name} must not need std but depends on {std:?}"
         );
     }
+}
+
+/// The runtime takes images only. The errors of recordings are diagnostics, so `rpi-record` may see `rpi-diag`.
+#[test]
+fn the_runtime_sees_no_compiler() {
+    for name in RUNTIME {
+        let seen = reachable(name);
+        let bad: Vec<_> = REPRESENTATIONS
+            .iter()
+            .filter(|c| seen.contains(**c))
+            .collect();
+        assert!(bad.is_empty(), "{name} sees {bad:?}");
+    }
+    let seen = reachable("rpi-runtime");
+    let bad: Vec<_> = COMPILER.iter().filter(|c| seen.contains(**c)).collect();
+    assert!(bad.is_empty(), "rpi-runtime sees {bad:?}");
 }
 
 /// The proof is `cargo check -p rpi-nostd --features proof` in `.ci/run`; this test fails earlier and with a clearer

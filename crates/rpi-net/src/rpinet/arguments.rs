@@ -3,10 +3,10 @@
 use super::links::{Links, list, type_name};
 use super::text::{Argument, Definition, Given, Place, Source, Word, number};
 use super::value::{flow_type, neutral, parse};
-use crate::literal::LiteralError;
 use crate::net::{Input, Inputs, PortRef};
 use rpi_diag::{Code, Finding, suggest};
 use rpi_image::{InPort, Need, Param, ParamType, PortDefault, PortType, PrimDesc, Value};
+use rpi_literal::LiteralError;
 use smallvec::SmallVec;
 
 /// Inputs and parameters of a primitive.

@@ -1,6 +1,5 @@
 //! Constants in a net's text: the primitives that produce them and the parameters that encode them.
 
-use crate::literal;
 use rpi_image::{ParamType, Role, Scalar, Type, Value};
 use rpi_prims::registry;
 
@@ -29,7 +28,7 @@ pub(super) fn parts(constant: &Value, count: usize, make: fn(&[f64]) -> Value) -
         return components;
     }
     match constant.ty() {
-        Some(Type::One(Scalar::Rotation)) => literal::angles(constant.cells()).to_vec(),
+        Some(Type::One(Scalar::Rotation)) => rpi_literal::angles(constant.cells()).to_vec(),
         _ => components,
     }
 }

@@ -1,7 +1,7 @@
 //! Parses and formats parameters.
 
-use crate::literal::{self, LiteralError};
 use rpi_image::{ParamType, Type, Value};
+use rpi_literal::LiteralError;
 use std::borrow::Cow;
 
 /// Parses a parameter.
@@ -11,9 +11,9 @@ use std::borrow::Cow;
 pub(super) fn parse(text: &str, ty: ParamType) -> Result<Value, LiteralError> {
     match ty {
         ParamType::Str => Ok(Value::Str(unescaped(text).into_owned())),
-        ParamType::One(scalar) => literal::read_one(text, scalar)?.ok_or_else(absent),
+        ParamType::One(scalar) => rpi_literal::read_one(text, scalar)?.ok_or_else(absent),
         ParamType::Array(scalar) => {
-            let elements = literal::read_array(restored(text), scalar)?.ok_or_else(absent)?;
+            let elements = rpi_literal::read_array(restored(text), scalar)?.ok_or_else(absent)?;
             let elements: Option<Vec<Value>> = elements.into_iter().collect();
             let elements = elements.ok_or_else(absent)?;
             let len = u32::try_from(elements.len()).map_err(|_| absent())?;
@@ -30,7 +30,7 @@ pub(super) fn parse(text: &str, ty: ParamType) -> Result<Value, LiteralError> {
 pub fn write(value: &Value) -> String {
     match value {
         Value::Str(text) => text.replace('\\', "\\\\").replace('\'', "\\'"),
-        Value::Cells { ty, cells } => literal::write(cells, *ty),
+        Value::Cells { ty, cells } => rpi_literal::write(cells, *ty),
     }
 }
 

@@ -16,7 +16,7 @@ use crate::typed::{BlockId, Claim, ClaimKind, ExprId, FlowId, Unit, UnitKind};
 use crate::typed::{Each, Kind};
 use rpi_diag::{Code, Finding, Span};
 use rpi_image::Value;
-use rpi_net::claim::{claim_key, read_key};
+use rpi_image::claim::{claim_key, read_key};
 use rpi_net::prim;
 use rpi_net::{self as net, ClaimRead};
 use rpi_prims::PrimId;

@@ -1,8 +1,8 @@
 //! Effects of the core's notices on the records of commands.
 
 use rpi_device::Jump;
-use rpi_host::control::{Cause, CommandId, Ending, State, Why};
-use rpi_host::run::jump_text;
+use rpi_runtime::control::{Cause, CommandId, Ending, State, Why};
+use rpi_runtime::run::jump_text;
 
 use super::commands::Commands;
 use super::core_link::CoreLink;

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Instant;
 
-use rpi_host::control::{Adopted, CommandId, Refused, State};
 use rpi_image::Image;
+use rpi_runtime::control::{Adopted, CommandId, Refused, State};
 
 use super::core_link::CoreLink;
 use super::devices::Devices;

@@ -9,10 +9,10 @@
 use std::collections::BTreeMap;
 use std::time::Instant;
 
-use rpi_host::control::{CommandId, State};
 use rpi_image::{PortType, Role, Scalar, Value};
 use rpi_net::passes::Conjunction;
 use rpi_net::{Net, Node};
+use rpi_runtime::control::{CommandId, State};
 
 use super::commands::Commands;
 use super::journal::Journal;

@@ -1,6 +1,6 @@
 //! Connection to the control core: requests go to the cycle, events come from it.
 
-use rpi_host::control::{CommandId, Control, Event, Rejected, RuleId, Ticket};
+use rpi_runtime::control::{CommandId, Control, Event, Rejected, RuleId, Ticket};
 
 use super::commands::Commands;
 use super::owed::{Debt, Owed, Owing};

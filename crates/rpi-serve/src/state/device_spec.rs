@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 
 use rpi_image::Scalar;
 use rpi_kin::AxisLimits;
-use rpi_net::literal;
 use rpi_sim::cell::{ArmSpec, DeviceSpec, Enforced, Kind};
 
 use super::types::{DeviceInfo, Failure};
@@ -155,7 +154,7 @@ fn reals(new: &NewDevice<'_>, key: &str) -> Result<Option<Vec<f64>>, Failure> {
         return Ok(None);
     };
     let bad = || Failure::Bad(format!("{key} must be a list of reals"));
-    let values = literal::read_array(text, Scalar::Real).map_err(|_| bad())?;
+    let values = rpi_literal::read_array(text, Scalar::Real).map_err(|_| bad())?;
     let values: Option<Vec<_>> = values.ok_or_else(bad)?.into_iter().collect();
     let reals = values
         .ok_or_else(bad)?

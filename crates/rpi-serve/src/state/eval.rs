@@ -1,6 +1,6 @@
 //! Evaluation of a net for one cycle and its exports. Clients use it to read sensors and to compute kinematics.
 
-use rpi_host::control::{State, Why};
+use rpi_runtime::control::{State, Why};
 
 use super::commands::Commands;
 use super::core_link::CoreLink;

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use rpi_core::OnOverrun;
-use rpi_host::control::State;
+use rpi_runtime::control::State;
 
 use super::ServerState;
 use super::core_link::CoreLink;

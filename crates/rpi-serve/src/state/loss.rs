@@ -1,6 +1,6 @@
 //! Loss of a client: what happens to its commands, tasks, rules and subscriptions.
 
-use rpi_host::control::Why;
+use rpi_runtime::control::Why;
 
 use super::owed::Debt;
 use super::subscribers::Subscribers;

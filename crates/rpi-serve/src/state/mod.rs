@@ -51,8 +51,8 @@ mod watch;
 use std::fmt;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use rpi_host::control::Control;
-use rpi_host::recording::Recorder;
+use rpi_record::recording::Recorder;
+use rpi_runtime::control::Control;
 use rpi_sim::{Cell, SimBank};
 
 pub(crate) use crate::fair::Client;

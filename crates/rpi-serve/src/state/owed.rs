@@ -6,7 +6,7 @@
 
 use std::collections::VecDeque;
 
-use rpi_host::control::{CommandId, Control, Rejected, RuleId, Why};
+use rpi_runtime::control::{CommandId, Control, Rejected, RuleId, Why};
 
 use super::pending::{PendingRequests, Then};
 

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use rpi_host::control::{Rejected, RuleId, Ticket};
+use rpi_runtime::control::{Rejected, RuleId, Ticket};
 
 use super::types::{DeviceInfo, Failure, Reply};
 

@@ -4,10 +4,10 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use rpi_core::Overrun;
-use rpi_host::control::{Board, Cause, CommandId, Ending, State};
 use rpi_image::Image;
 use rpi_image::image::{End, EndKind};
 use rpi_net::Given;
+use rpi_runtime::control::{Board, Cause, CommandId, Ending, State};
 
 use super::completion::Completion;
 use super::eval::Eval;

@@ -1,7 +1,8 @@
 //! Recording of the run.
 
-use rpi_host::control::Event;
-use rpi_host::recording::{Recorder, Written};
+use rpi_record::recording::Recorder;
+use rpi_runtime::control::Event;
+use rpi_runtime::run::Written;
 
 use super::journal::Journal;
 

@@ -1,6 +1,8 @@
 //! Events from the cycle, and their effects on the server state.
 
-use rpi_host::control::{Cause, CommandId, Ending, Event, Notice, Outcome, Refused, State, Ticket};
+use rpi_runtime::control::{
+    Cause, CommandId, Ending, Event, Notice, Outcome, Refused, State, Ticket,
+};
 
 use super::ServerState;
 use super::command_events::{braked, ended, inserted, jumped, phase};

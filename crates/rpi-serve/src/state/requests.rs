@@ -1,6 +1,6 @@
 //! Requests of clients that need several parts of the state.
 
-use rpi_host::control::{Control, Why};
+use rpi_runtime::control::{Control, Why};
 
 use super::device_spec::NewDevice;
 use super::emergency::requester;

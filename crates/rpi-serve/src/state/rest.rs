@@ -1,6 +1,6 @@
 //! Shutdown: brings everything to rest before the devices are released.
 
-use rpi_host::recording::Written;
+use rpi_runtime::run::Written;
 
 use super::ServerState;
 use super::pending::Then;

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeSet;
 
-use rpi_host::control::{CommandId, Condition, Fact, Rule};
 use rpi_image::{Scalar, Type};
+use rpi_runtime::control::{CommandId, Condition, Fact, Rule};
 
 use super::commands::Commands;
 use super::number_of;

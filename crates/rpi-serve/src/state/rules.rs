@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use rpi_host::control::{CommandId, RuleId, Ticket};
+use rpi_runtime::control::{CommandId, RuleId, Ticket};
 
 use super::commands::Commands;
 use super::completion::{is_early, note_takeover, tell_completions};

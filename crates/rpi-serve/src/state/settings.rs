@@ -2,9 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use rpi_host::control::{CommandId, Setting, State};
 use rpi_image::image::InputPort;
-use rpi_net::literal;
+use rpi_runtime::control::{CommandId, Setting, State};
 
 use super::commands::Commands;
 use super::types::{Failure, Phase};
@@ -61,7 +60,7 @@ fn setting(commands: &Commands, (name, key, value): &Value<'_>) -> Result<Settin
 fn cells(input: &InputPort, text: &str) -> Result<Box<[u64]>, Failure> {
     let ty = input.value.ty;
     let bad = |why: String| Failure::Bad(format!("`{text}` is not of type {ty}: {why}"));
-    let value = literal::read(text, ty).map_err(|e| bad(e.to_string()))?;
+    let value = rpi_literal::read(text, ty).map_err(|e| bad(e.to_string()))?;
     let value = value.ok_or_else(|| bad("an input must have a value".to_owned()))?;
     Ok(value.cells().into())
 }

@@ -4,9 +4,9 @@
 use std::sync::Arc;
 
 use rpi_core::Command;
-use rpi_host::control::{Adopted, CommandId, Rejected, Rule, RuleId, State, Ticket};
-use rpi_host::run::{NotStarted, Plan, Task, Workshop};
 use rpi_image::Image;
+use rpi_runtime::control::{Adopted, CommandId, Rejected, Rule, RuleId, State, Ticket};
+use rpi_runtime::run::{NotStarted, Plan, Task, Workshop};
 
 use super::core_link::CoreLink;
 use super::defaults::CommandDefaults;

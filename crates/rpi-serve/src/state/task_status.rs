@@ -1,7 +1,7 @@
 //! Progress of a task, as clients see it.
 
-use rpi_host::control::CommandId;
-use rpi_host::run::TaskEnd;
+use rpi_runtime::control::CommandId;
+use rpi_runtime::run::TaskEnd;
 
 use super::place::Place;
 use super::record::Record;

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use rpi_core::OnOverrun;
-use rpi_host::control::{CommandId, Event};
-use rpi_host::run::{Plan, Task};
+use rpi_runtime::control::{CommandId, Event};
+use rpi_runtime::run::{Plan, Task};
 
 use super::commands::Commands;
 use super::journal::Journal;

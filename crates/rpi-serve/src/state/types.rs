@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use rpi_host::control::{Cause, Ending, Refused, Rejected, State, TooMuch};
+use rpi_runtime::control::{Cause, Ending, Refused, Rejected, State, TooMuch};
 
 use super::place::Place;
 use super::task_status::TaskStatus;
@@ -261,8 +261,8 @@ pub(crate) fn cause(ending: &Ending) -> &'static str {
 /// Describes the fault or the reason of an abort; `None` if the command ended regularly.
 pub(crate) fn why(ending: &Ending) -> Option<&'static str> {
     match ending.cause {
-        Cause::Fault(fault) => Some(rpi_host::run::fault_text(fault.code)),
-        Cause::Aborted(why) => Some(rpi_host::run::stop_text(why)),
+        Cause::Fault(fault) => Some(rpi_runtime::run::fault_text(fault.code)),
+        Cause::Aborted(why) => Some(rpi_runtime::run::stop_text(why)),
         _ => None,
     }
 }

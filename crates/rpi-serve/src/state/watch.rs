@@ -2,10 +2,9 @@
 
 use std::time::{Duration, Instant};
 
-use rpi_host::control::{Board, State};
 use rpi_image::Image;
 use rpi_image::image::Export;
-use rpi_net::literal;
+use rpi_runtime::control::{Board, State};
 
 use super::types::{Failure, Phase, Sink, Status, Update};
 
@@ -205,7 +204,10 @@ fn changed(exports: &[Export], last: &[u64], now: &[u64]) -> Vec<(String, String
     let news = now.filter_map(|(export, value)| {
         let known = before.next().and_then(|(_, value)| value);
         let value = value.filter(|v| known != Some(v))?;
-        Some((export.key.clone(), literal::write(value, export.value.ty)))
+        Some((
+            export.key.clone(),
+            rpi_literal::write(value, export.value.ty),
+        ))
     });
     news.collect()
 }

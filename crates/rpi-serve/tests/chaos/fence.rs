@@ -8,7 +8,7 @@ use std::process::ExitStatus;
 use std::sync::atomic::AtomicU64;
 use std::thread;
 
-use rpi_host::realtime::{Pace, RealTime};
+use rpi_runtime::realtime::{Pace, RealTime};
 use rpi_serve::Settings;
 use rpi_testkit::{own_process, report_skip};
 

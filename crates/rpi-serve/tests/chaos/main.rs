@@ -23,8 +23,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use rpi_host::realtime::Pace;
-use rpi_host::recording::{Origin, Wanted};
+use rpi_record::recording::{Origin, Wanted};
+use rpi_runtime::realtime::Pace;
 use rpi_serve::{Server, Settings};
 use rpi_sim::Cell;
 use rpi_testkit::resident;

@@ -6,7 +6,7 @@ use std::fs::File;
 use std::io::BufWriter;
 use std::time::{Duration, Instant};
 
-use rpi_host::recording::{Origin, Recording, Wanted, rerun};
+use rpi_record::recording::{Origin, Recording, Wanted, rerun};
 use rpi_serve::{Server, Settings};
 use rpi_sim::Cell;
 use serde_json::{Value, json};

@@ -5,7 +5,7 @@ use std::io::{self, BufWriter, Cursor, Seek, SeekFrom, Write};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use rpi_host::recording::{Origin, Output, Recording, Rerun, Wanted, rerun};
+use rpi_record::recording::{Origin, Output, Recording, Rerun, Wanted, rerun};
 use rpi_serve::Server;
 use rpi_sim::Cell;
 

@@ -3,10 +3,10 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use rpi_host::replay::{Options, Report, replay};
-use rpi_host::trace::Trace;
 use rpi_image::Value;
 use rpi_net::{FragmentId, FragmentPort, Input, Net, NodeId, PortRef};
+use rpi_record::trace::Trace;
+use rpi_replay::replay::{Options, Report, replay};
 
 use crate::constant::constants;
 use crate::nets;

@@ -4,11 +4,11 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::sync::Arc;
 
-use rpi_host::control::{
+use rpi_image::Image;
+use rpi_runtime::control::{
     Cause, CommandId, Condition, Control, Ending, Event, Executive, Fact, Notice, Options, Rule,
     State, Ticket, Why, open,
 };
-use rpi_image::Image;
 use rpi_sim::{Fault, SimBank, Trouble};
 
 use crate::cell::{ARMS, AXES, Arms, BOTH, Random, TICK_NS, cell, images};

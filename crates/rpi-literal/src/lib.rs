@@ -1,0 +1,179 @@
+//! Text form of values, as in the reference system: parameters of nets and recorded traces.
+//!
+//! Booleans are `true` and `false`, reals may be `nan`, `+inf` and `-inf`, structured values are written
+//! `{x:1.0,y:2.0,z:3.0}`, arrays `[1,2]`, an absent value `null`. Rotations are Euler angles in radians about z, then
+//! y, then x of the turned frame (`{a:..,b:..,c:..}`). Times are milliseconds since the Unix epoch.
+
+use std::fmt;
+
+use rpi_image::{Bits, Scalar, Type, Value};
+use rpi_prims::flow::Flow;
+use rpi_prims::geometry;
+use smallvec::smallvec;
+
+mod tree;
+mod write;
+
+use tree::Tree;
+pub use write::{angles, write};
+
+/// Error for a text that is not a value of the expected type.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct LiteralError {
+    /// Byte offset in the text at which the error begins.
+    pub at: usize,
+    /// Description of the error.
+    pub message: String,
+}
+
+impl LiteralError {
+    fn new(at: usize, message: impl Into<String>) -> LiteralError {
+        LiteralError {
+            at,
+            message: message.into(),
+        }
+    }
+}
+
+impl fmt::Display for LiteralError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.message)
+    }
+}
+
+impl std::error::Error for LiteralError {}
+
+/// Parses one value of a scalar type; `None` for `null`.
+///
+/// # Errors
+/// Returns an error if the text is not a value of this type.
+pub fn read_one(text: &str, scalar: Scalar) -> Result<Option<Value>, LiteralError> {
+    let tree = tree::parse(text)?;
+    Ok(element(&tree, scalar)?.map(|cells| Value::Cells {
+        ty: Type::One(scalar),
+        cells,
+    }))
+}
+
+/// Parses an array of any length; `null` elements become `None`. Returns `None` for `null` in place of the array.
+///
+/// # Errors
+/// Returns an error if the text is not an array of this element type.
+pub fn read_array(text: &str, scalar: Scalar) -> Result<Option<Vec<Option<Value>>>, LiteralError> {
+    let tree = tree::parse(text)?;
+    if tree.is_null() {
+        return Ok(None);
+    }
+    let value = |cells| Value::Cells {
+        ty: Type::One(scalar),
+        cells,
+    };
+    let elements = tree.elements()?.iter();
+    elements
+        .map(|tree| Ok(element(tree, scalar)?.map(value)))
+        .collect::<Result<_, _>>()
+        .map(Some)
+}
+
+/// Parses a value of a flow type. Returns `None` for `null` and for an array with a `null` element: no flow can carry
+/// these.
+///
+/// # Errors
+/// Returns an error if the text is not of this type, or is an array of another length.
+pub fn read(text: &str, ty: Type) -> Result<Option<Value>, LiteralError> {
+    let (scalar, len) = match ty {
+        Type::One(scalar) => return read_one(text, scalar),
+        Type::Array(scalar, len) => (scalar, len),
+        Type::Matrix(..) => (Scalar::Real, ty.cells()),
+    };
+    let Some(elements) = read_array(text, scalar)? else {
+        return Ok(None);
+    };
+    if elements.len() != len as usize {
+        let message = format!(
+            "expected {len} for {ty}, found {}",
+            rpi_words::counted(elements.len(), "element")
+        );
+        return Err(LiteralError::new(0, message));
+    }
+    let elements: Option<Vec<Value>> = elements.into_iter().collect();
+    Ok(elements.map(|elements| Value::Cells {
+        ty,
+        cells: elements.iter().flat_map(Value::cells).copied().collect(),
+    }))
+}
+
+fn element(tree: &Tree<'_>, scalar: Scalar) -> Result<Option<Bits>, LiteralError> {
+    if tree.is_null() {
+        return Ok(None);
+    }
+    cells(tree, scalar).map(Some)
+}
+
+fn cells(tree: &Tree<'_>, scalar: Scalar) -> Result<Bits, LiteralError> {
+    Ok(match scalar {
+        Scalar::Bool => smallvec![u64::from(tree.word("true or false", truth)?)],
+        Scalar::Int => smallvec![tree.word("an integer", whole)?.cast_unsigned()],
+        Scalar::Time => smallvec![tree.word("a time in milliseconds", millis)?.cast_unsigned()],
+        Scalar::Real => smallvec![real(tree)?.to_bits()],
+        Scalar::Vector => reals(tree, &["x", "y", "z"])?,
+        Scalar::Rotation => {
+            let angles = reals(tree, &["a", "b", "c"])?;
+            let [a, b, c] = [0, 1, 2].map(|k| f64::from_bits(angles[k]));
+            stored(geometry::from_abc(a, b, c))
+        }
+        Scalar::Pose => pair(tree, ("pos", Scalar::Vector), ("rot", Scalar::Rotation))?,
+        Scalar::Twist => pair(tree, ("vel", Scalar::Vector), ("rot", Scalar::Vector))?,
+        Scalar::Wrench => pair(tree, ("force", Scalar::Vector), ("torque", Scalar::Vector))?,
+    })
+}
+
+fn stored<T: Flow>(value: T) -> Bits {
+    let mut cells: Bits = smallvec![0; T::CELLS];
+    value.store(&mut cells, 0);
+    cells
+}
+
+type Half = (&'static str, Scalar);
+
+fn pair(tree: &Tree<'_>, a: Half, b: Half) -> Result<Bits, LiteralError> {
+    let [first, second] = tree.fields([a.0, b.0])?;
+    let mut all = cells(first, a.1)?;
+    all.extend(cells(second, b.1)?);
+    Ok(all)
+}
+
+fn reals(tree: &Tree<'_>, keys: &[&'static str; 3]) -> Result<Bits, LiteralError> {
+    let fields = tree.fields(*keys)?;
+    fields.iter().map(|f| Ok(real(f)?.to_bits())).collect()
+}
+
+/// Parses a real. Digits that overflow to infinity are an error; infinity has the literal `inf`.
+fn real(tree: &Tree<'_>) -> Result<f64, LiteralError> {
+    let value: f64 = tree.word("a number", |w| w.parse().ok())?;
+    let is_meant = |word: &str| value.is_finite() || !word.contains(|c: char| c.is_ascii_digit());
+    tree.word("a number that a real can hold, or inf", |word| {
+        is_meant(word).then_some(value)
+    })
+}
+
+fn truth(word: &str) -> Option<bool> {
+    word.parse().ok()
+}
+
+fn whole(word: &str) -> Option<i64> {
+    word.parse().ok()
+}
+
+/// Parses a time in milliseconds, with at most six digits after the point, to nanoseconds.
+fn millis(word: &str) -> Option<i64> {
+    let (whole, part) = word.split_once('.').unwrap_or((word, ""));
+    let digits = part.bytes().all(|b| b.is_ascii_digit());
+    let nanos: i64 = format!("{part:0<6}").get(..6)?.parse().ok()?;
+    let whole: i64 = whole.parse::<i64>().ok()?.checked_mul(1_000_000)?;
+    let signed = if word.starts_with('-') { -nanos } else { nanos };
+    digits.then_some(whole)?.checked_add(signed)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,7 @@
+//! Records of runs: recordings that can be replayed, samples as rows or digests, and input traces.
+//!
+//! It takes what the runtime observes in a run and must not depend on nets or the compiler.
+
+pub mod record;
+pub mod recording;
+pub mod trace;

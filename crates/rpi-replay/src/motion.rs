@@ -1,0 +1,177 @@
+//! Builds the picture of a run from the motion of its devices.
+
+use std::collections::BTreeMap;
+
+use crate::plot::{Chart, Line, Picture, SpacePath, Spell};
+use rpi_runtime::run::{Channel, Outcome, RunEnd, Sink, Source};
+
+/// Sink that collects the paths of the arms and the states of the digital outputs.
+#[derive(Default)]
+pub struct Motion {
+    channels: Vec<Channel>,
+    /// Tick and first three memory words of each collected sample, by channel.
+    kept: BTreeMap<usize, Vec<(u64, [u64; 3])>>,
+}
+
+const JOINT: &str = "joint.commanded_position";
+const TOOL: &str = "tcp.commanded_position";
+const SWITCH: &str = "out.bool";
+
+impl Sink for Motion {
+    fn channels(&mut self, channels: &[Channel]) {
+        self.channels = channels.to_vec();
+    }
+
+    fn sample(&mut self, channel: usize, tick: u64, value: Option<&[u64]>) {
+        let shown = matches!(&self.channels[channel].source, Source::Device { port, .. } if [JOINT, TOOL, SWITCH].contains(port));
+        if let Some(value) = value.filter(|_| shown) {
+            let cell = |k: usize| value.get(k).copied().unwrap_or(0);
+            let kept = self.kept.entry(channel).or_default();
+            kept.push((tick, [cell(0), cell(1), cell(2)]));
+        }
+    }
+}
+
+impl Motion {
+    /// Returns the picture of the run with this outcome.
+    #[must_use]
+    pub fn picture(&self, title: &str, outcome: &Outcome) -> Picture {
+        let dt = outcome.tick_ns as f64 * 1e-9;
+        let mut charts = Vec::new();
+        for device in self.devices(JOINT) {
+            let positions = self.joints(device, dt);
+            let velocities = positions.iter().map(velocity).collect();
+            charts.push(chart(
+                format!("{device}: joint positions, degrees"),
+                positions,
+            ));
+            charts.push(chart(
+                format!("{device}: joint velocities, degrees per second"),
+                velocities,
+            ));
+        }
+        for device in self.devices(SWITCH) {
+            charts.push(chart(
+                format!("{device}: digital outputs"),
+                self.switches(device, dt),
+            ));
+        }
+        Picture {
+            title: title.to_owned(),
+            paths: self
+                .devices(TOOL)
+                .into_iter()
+                .map(|d| self.path(d, dt))
+                .collect(),
+            charts,
+            spells: spells(outcome, dt),
+        }
+    }
+
+    /// Returns the devices that have this port, in the order of the cell.
+    fn devices(&self, wanted: &str) -> Vec<&str> {
+        let mut devices: Vec<&str> = self.of(wanted).map(|(device, ..)| device).collect();
+        devices.dedup();
+        devices
+    }
+
+    /// Returns device, port index and samples of all channels of a port.
+    fn of(&self, wanted: &str) -> impl Iterator<Item = (&str, usize, &[(u64, [u64; 3])])> {
+        let kept = self.kept.iter();
+        kept.filter_map(
+            move |(channel, samples)| match &self.channels[*channel].source {
+                Source::Device {
+                    device,
+                    port,
+                    index,
+                } if *port == wanted => Some((device.as_str(), *index, samples.as_slice())),
+                _ => None,
+            },
+        )
+    }
+
+    fn lines(
+        &self,
+        wanted: &str,
+        device: &str,
+        (name, value): (&str, fn(u64) -> f64),
+        dt: f64,
+    ) -> Vec<Line> {
+        let mine = self.of(wanted).filter(|(of, ..)| *of == device);
+        mine.map(|(_, index, samples)| Line {
+            name: format!("{name} {index}"),
+            points: samples
+                .iter()
+                .map(|(tick, c)| (*tick as f64 * dt, value(c[0])))
+                .collect(),
+        })
+        .collect()
+    }
+
+    fn joints(&self, device: &str, dt: f64) -> Vec<Line> {
+        self.lines(
+            JOINT,
+            device,
+            ("axis", |cell| f64::from_bits(cell).to_degrees()),
+            dt,
+        )
+    }
+
+    /// Returns the digital outputs with one offset per line, so that no line hides another.
+    fn switches(&self, device: &str, dt: f64) -> Vec<Line> {
+        let mut lines = self.lines(SWITCH, device, ("output", |cell| cell as f64), dt);
+        for (k, line) in lines.iter_mut().enumerate() {
+            line.points
+                .iter_mut()
+                .for_each(|p| p.1 = p.1 * 0.8 + k as f64);
+        }
+        lines
+    }
+
+    fn path(&self, device: &str, dt: f64) -> SpacePath {
+        let mut mine = self.of(TOOL).filter(|(of, ..)| *of == device);
+        let samples = mine.next().map_or(&[][..], |(_, _, samples)| samples);
+        SpacePath {
+            name: device.to_owned(),
+            points: samples
+                .iter()
+                .map(|(tick, cells)| (*tick as f64 * dt, cells.map(f64::from_bits)))
+                .collect(),
+        }
+    }
+}
+
+fn chart(title: String, lines: Vec<Line>) -> Chart {
+    Chart { title, lines }
+}
+
+/// Returns the slope of a line between successive samples.
+fn velocity(line: &Line) -> Line {
+    let slope = |w: &[(f64, f64)]| (w[1].0, (w[1].1 - w[0].1) / (w[1].0 - w[0].0));
+    Line {
+        name: line.name.clone(),
+        points: line.points.windows(2).map(slope).collect(),
+    }
+}
+
+fn spells(outcome: &Outcome, dt: f64) -> Vec<Spell> {
+    let started = outcome
+        .commands
+        .iter()
+        .filter_map(|c| Some((c, c.first_tick?)));
+    started
+        .map(|(command, first)| Spell {
+            command: command.name.clone(),
+            from: first as f64 * dt,
+            to: (first + command.cycles) as f64 * dt,
+            end: word(&command.end),
+        })
+        .collect()
+}
+
+fn word(end: &RunEnd) -> String {
+    match end {
+        RunEnd::Result { name, .. } => name.clone(),
+        other => other.to_string(),
+    }
+}

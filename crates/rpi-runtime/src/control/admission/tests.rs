@@ -1,0 +1,149 @@
+use rpi_core::{Condition, Fact, Refused};
+
+use super::*;
+
+const GRANTED: u64 = 100;
+
+fn id(number: u64) -> CommandId {
+    CommandId::from_number(number)
+}
+
+/// Creates an admission state with commands 1, 2, ... that have these bounds and actuators.
+fn books(claims: &[(u64, &[u32])]) -> Admission {
+    let mut books = Admission::new(Some(Budget {
+        ns_per_operation: 1.0,
+        granted_ns: GRANTED,
+    }));
+    for (number, (bound_ns, actuators)) in (1..).zip(claims) {
+        let claim = Claim {
+            bound_ns: *bound_ns,
+            actuators: (*actuators).into(),
+            is_live: false,
+            runs: false,
+            asked: 0,
+        };
+        books.claims.insert(id(number), claim);
+    }
+    books
+}
+
+fn ask(books: &mut Admission, ticket: u64, start: u64) -> Result<(), TooMuch> {
+    let way = books.admit_start(id(start))?;
+    books.ask(Ticket(ticket), way);
+    Ok(())
+}
+
+/// Adds the rule with this number.
+fn make(books: &mut Admission, number: u64, rule: &Rule) -> Result<(), TooMuch> {
+    let way = books.admit_rule(RuleId(number), rule)?;
+    books.ask(Ticket(number), way);
+    books.hear(&answer(number, None));
+    Ok(())
+}
+
+fn answer(ticket: u64, refused: Option<Refused>) -> Event {
+    Event::Answer {
+        ticket: Ticket(ticket),
+        tick: 0,
+        refused,
+    }
+}
+
+#[test]
+fn those_of_one_actuator_take_turns_and_others_add_up() {
+    let mut books = books(&[(60, &[0, 1]), (70, &[1, 2]), (30, &[]), (40, &[7])]);
+    for (ticket, start) in [(1, 1), (2, 2), (3, 3)] {
+        assert_eq!(ask(&mut books, ticket, start), Ok(()));
+    }
+    let why = ask(&mut books, 4, 4).unwrap_err();
+    assert_eq!(
+        (why.needed_ns, why.taken_ns, why.granted_ns),
+        (40, 100, 100)
+    );
+}
+
+#[test]
+fn what_was_refused_or_is_over_makes_room() {
+    let mut books = books(&[(60, &[]), (60, &[])]);
+    ask(&mut books, 1, 1).unwrap();
+    assert!(ask(&mut books, 2, 2).is_err(), "the first is on its way");
+    books.hear(&answer(1, Some(Refused::Unknown)));
+    ask(&mut books, 3, 2).unwrap();
+    books.hear(&answer(3, None));
+    assert!(ask(&mut books, 4, 1).is_err(), "the second runs");
+    let over = Notice::Orphaned {
+        command: id(2),
+        kept: true,
+    };
+    books.hear(&Event::Notice(over));
+    assert_eq!(ask(&mut books, 5, 1), Ok(()));
+}
+
+#[test]
+fn who_counts_already_is_not_refused() {
+    let mut books = books(&[(90, &[])]);
+    ask(&mut books, 1, 1).unwrap();
+    books.budget = Some(Budget {
+        ns_per_operation: 1.0,
+        granted_ns: 10,
+    });
+    assert_eq!(ask(&mut books, 2, 1), Ok(()));
+}
+
+/// S1, L6: each command of a chain has ended before the next one starts.
+#[test]
+fn a_chain_takes_no_more_than_the_most_expensive_of_it() {
+    let mut books = books(&[(60, &[]), (90, &[]), (70, &[]), (20, &[])]);
+    ask(&mut books, 1, 1).unwrap();
+    for next in [2, 3] {
+        let rule = Rule::follow(id(next - 1)).start(id(next));
+        assert_eq!(make(&mut books, next, &rule), Ok(()));
+    }
+    let why = ask(&mut books, 4, 4).unwrap_err();
+    assert_eq!((why.needed_ns, why.taken_ns), (20, 90));
+    // Once command 3 may also start in another way, it counts in addition to the others.
+    let rule = Rule::when(Condition::always()).start(id(3));
+    assert!(make(&mut books, 5, &rule).is_err());
+}
+
+/// A rule that fired keeps the order of its commands. A rule that was dropped implies no order.
+#[test]
+fn what_has_started_by_a_rule_is_after_those_before() {
+    let over = |outcome| {
+        let mut books = books(&[(60, &[]), (90, &[]), (10, &[])]);
+        ask(&mut books, 1, 1).unwrap();
+        let rule = Rule::follow(id(1)).start(id(2));
+        make(&mut books, 2, &rule).unwrap();
+        books.hear(&Event::Notice(Notice::Rule {
+            rule: RuleId(2),
+            outcome,
+        }));
+        ask(&mut books, 3, 3)
+    };
+    assert!(over(Outcome::Dropped).is_err());
+    assert_eq!(over(Outcome::Fired), Ok(()));
+}
+
+/// A command stopped by a rule excludes its successor only if it was running; otherwise it can be started again
+/// later.
+#[test]
+fn who_is_stopped_is_before_only_if_it_runs_then() {
+    let stopped = |fact, runs| {
+        let mut books = books(&[(60, &[]), (90, &[])]);
+        ask(&mut books, 1, 1).unwrap();
+        if runs {
+            let (command, tick) = (id(1), 0);
+            books.hear(&Event::Notice(Notice::Started { command, tick }));
+        }
+        let rule = Rule::when(fact).stop(id(1)).start(id(2));
+        make(&mut books, 2, &rule).is_ok()
+    };
+    let export = || Condition::of(id(1), Fact::Export(0));
+    assert!(stopped(export(), false), "its export is of a cycle");
+    assert!(stopped(Condition::always(), true));
+    assert!(!stopped(Condition::always(), false));
+}
+#[test]
+fn the_code_is_in_the_table_of_diagnostics() {
+    assert_eq!(TooMuch::CODE, rpi_diag::Code::RPI7003.as_str());
+}

@@ -1,0 +1,106 @@
+//! Control core in operation: the interface by which host programs control running commands.
+//!
+//! ```text
+//! Control (host side, one owner)          Executive (cycle's side)
+//!   load, start, schedule, cancel,  --->    takes requests, ticks the core, steps the devices
+//!   abort, unload, set, subscribe   <---    events, samples, and objects to be freed by the host
+//! ```
+//! [`open`] creates both sides. They communicate only through bounded queues on which neither side blocks: the
+//! executive takes a bounded number of requests per tick and never allocates or frees; [`Control`] allocates, loads and
+//! frees.
+//!
+//! # The interface
+//!
+//! | task | call | answer |
+//! |---|---|---|
+//! | load an image | [`Control::load`], or [`Control::adopt`] for a command loaded elsewhere | its [`CommandId`], or all load errors |
+//! | start, cancel, abort, unschedule | [`Control::start`], [`cancel`](Control::cancel), [`abort`](Control::abort), [`unschedule`](Control::unschedule) | a [`Ticket`] |
+//! | schedule a command after another one, or by any rule | [`Control::schedule`] with a [`Rule`] | a [`RuleId`] and a [`Ticket`] |
+//! | unload a command | [`Control::unload`] | a [`Ticket`], then [`Event::Freed`] |
+//! | set inputs of any commands between the same two cycles | [`Control::set`] | a [`Ticket`] |
+//! | observe exported flows | [`Control::subscribe`], then [`Control::samples`] | a sample for each change of a value |
+//! | poll the exports of a command | [`Control::adopt_with_board`] | a [`Board`] |
+//! | insert or remove a device | [`Control::put_device`] | a [`Ticket`] |
+//! | stop everything | [`Control::emergency_stop`] | a [`Ticket`] |
+//! | receive events | [`Control::poll`] | [`Event`]s in order |
+//! | inspect a command | [`Control::get`] | [`Info`]: image, state, ending |
+//!
+//! Every ticket is answered by one [`Event::Answer`]. Requests are carried out in the order in which they were made, so
+//! a command can be loaded, named in a rule and started without waiting in between. [`Info::state`] is updated by the
+//! events that the host has polled. A command that has ended stays loaded until it is unloaded. A command that nothing
+//! can start any more, and that was not to be kept, unloads itself and is reported by [`Event::Freed`].
+//!
+//! ```
+//! use rpi_core::Rule;
+//! use rpi_runtime::control::{Options, open};
+//! use rpi_sim::{Cell, SimBank};
+//!
+//! # fn example(images: [std::sync::Arc<rpi_image::Image>; 2]) -> Result<(), Box<dyn std::error::Error>> {
+//! let cell = Cell::parse("cell.toml", "")?;
+//! let bank = || SimBank::new(&cell, 1e-3);
+//! let (mut control, mut executive) = open(bank(), Box::new(bank()), Options::default());
+//! let [first, second] = images;
+//! let a = control.load(first)?;
+//! let b = control.load(second)?;
+//! control.schedule(Rule::follow(a).start(b))?;
+//! control.start(a)?;
+//! for tick in 0..1000 {
+//!     executive.tick(tick * 1_000_000, &mut ());  // on a thread of its own in real time
+//!     while let Some(event) = control.poll() {
+//!         println!("{event:?}");
+//!     }
+//! }
+//! # Ok(()) }
+//! ```
+//! This module must not depend on the source of images or requests: no files, no sockets, no sessions.
+
+mod admission;
+mod board;
+mod event;
+mod executive;
+mod journal;
+mod plant;
+mod queue;
+mod raw;
+mod side;
+mod subscription;
+
+pub use admission::{Budget, TooMuch};
+pub use board::Board;
+pub use event::{Event, Rejected, Ticket};
+pub use executive::Executive;
+pub use journal::{Asked, Journal};
+pub use plant::{Late, Plant};
+pub use queue::{Options, Request, Setting};
+pub use raw::RawControl;
+pub use rpi_core::{
+    Cause, CommandId, Condition, Ending, Fact, Notice, Outcome, Refused, Rule, RuleId, State, Why,
+};
+pub use side::{Adopted, Control, Info};
+pub use subscription::Subscription;
+
+use rpi_device::DeviceBank;
+
+/// Opens a control core that moves the devices of `plant`.
+///
+/// `names` must resolve port names in the same way as `plant`. It is only used for name resolution; its devices never
+/// move.
+#[must_use]
+pub fn open<P: Plant>(
+    plant: P,
+    names: Box<dyn DeviceBank + Send>,
+    options: Options,
+) -> (Control<P::Part>, Executive<P>) {
+    let (cycle, host) = queue::queues(options);
+    (
+        Control::new(host, names, options),
+        Executive::new(plant, cycle, options),
+    )
+}
+
+/// Opens a control core for replays: the caller chooses the command numbers, and there is no admission control.
+#[must_use]
+pub fn open_plainly<P: Plant>(plant: P, options: Options) -> (RawControl<P::Part>, Executive<P>) {
+    let (cycle, host) = queue::queues(options);
+    (RawControl::new(host), Executive::new(plant, cycle, options))
+}

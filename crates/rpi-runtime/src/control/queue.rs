@@ -1,0 +1,190 @@
+//! Bounded queues between host and cycle. No operation blocks.
+
+use std::sync::Arc;
+
+use rpi_core::{Command, CommandId, Continuity, OnOverrun, Rule, RuleId, Why};
+use rtrb::{Consumer, Producer, RingBuffer};
+
+use super::admission::Budget;
+use super::board::Board;
+use super::event::{Event, Ticket};
+use super::subscription::Subscription;
+
+/// Capacities and policies of a control core.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Options {
+    /// Tick length in nanoseconds.
+    pub tick_ns: u64,
+    /// Maximum number of loaded commands.
+    pub commands: usize,
+    /// Maximum number of pending requests.
+    pub requests: usize,
+    /// Maximum number of requests carried out in one tick. The limit keeps a burst of requests from prolonging a tick.
+    pub requests_per_tick: usize,
+    /// Policy for a takeover with a discontinuity.
+    pub continuity: Continuity,
+    /// Policy for a command that causes overruns.
+    pub on_overrun: OnOverrun,
+    /// Whether the time of each command is measured. Needed in real time.
+    pub timed: bool,
+    /// Time budget of all commands in a tick; `None` disables admission control.
+    pub budget: Option<Budget>,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Options {
+            tick_ns: 1_000_000,
+            commands: 64,
+            requests: 256,
+            requests_per_tick: 16,
+            continuity: Continuity::default(),
+            on_overrun: OnOverrun::default(),
+            timed: false,
+            budget: None,
+        }
+    }
+}
+
+impl Options {
+    /// Returns the maximum number of rules.
+    pub(super) fn rules(&self) -> usize {
+        self.commands * 4
+    }
+}
+
+/// A value for an input of a command.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Setting {
+    /// Command with the input.
+    pub command: CommandId,
+    /// Index of the input in the image.
+    pub input: usize,
+    /// Memory words of the value.
+    pub value: Box<[u64]>,
+}
+
+/// A request from the host to the cycle. `T` is a device that can be inserted.
+pub enum Request<T> {
+    /// Inserts a loaded command, with the board for its exports, if any.
+    Insert(CommandId, Box<Command>, Option<Arc<Board>>),
+    /// Starts a command.
+    Start(CommandId),
+    /// Withdraws a command from all rules that would start it.
+    Unschedule(CommandId),
+    /// Requests a command to end.
+    Cancel(CommandId),
+    /// Ends a command now.
+    Abort(CommandId, Why),
+    /// Removes a command that does not run.
+    Unload(CommandId),
+    /// Adds a rule.
+    Schedule(RuleId, Box<Rule>),
+    /// Removes a rule.
+    Withdraw(RuleId),
+    /// Sets inputs of commands between the same two cycles.
+    Set(Box<[Setting]>),
+    /// Subscribes to exported flows of a command.
+    Subscribe(Box<Subscription>),
+    /// Replaces the device with this index; `None` removes it.
+    Device(usize, Option<T>),
+    /// Stops all commands and all devices.
+    EmergencyStop,
+}
+
+/// Minimum effort of a request.
+const LEAST: usize = 256;
+/// Additional effort for each word of each rule.
+const PER_WORD: usize = 8;
+
+impl<T> Request<T> {
+    /// Returns the estimated effort to carry out the request. `rules` is the total weight of all rules: after most
+    /// requests the core re-evaluates which rules can still fire.
+    pub(super) fn effort(&self, rules: usize) -> usize {
+        LEAST
+            + match self {
+                Request::Set(settings) => settings.iter().map(|s| s.value.len() + 1).sum(),
+                _ => PER_WORD * rules,
+            }
+    }
+}
+
+/// An object that the cycle no longer uses and the host must free.
+pub(super) enum Dead<T> {
+    Command(CommandId, Box<Command>),
+    Rule(Box<Rule>),
+    Settings(Box<[Setting]>),
+    Subscription(Box<Subscription>),
+    Board(Arc<Board>),
+    Device(T),
+}
+
+/// Cycle side of the queues.
+pub(super) struct CycleEnds<T> {
+    pub(super) requests: Consumer<(Ticket, Request<T>)>,
+    pub(super) events: Producer<Event>,
+    pub(super) samples: Producer<u64>,
+    dead: Producer<Dead<T>>,
+    /// Objects that are sent once all earlier events have been sent.
+    staged: Vec<Dead<T>>,
+}
+
+/// Host side of the queues.
+pub(super) struct HostEnds<T> {
+    pub(super) requests: Producer<(Ticket, Request<T>)>,
+    pub(super) events: Consumer<Event>,
+    pub(super) samples: Consumer<u64>,
+    pub(super) dead: Consumer<Dead<T>>,
+}
+
+/// Maximum number of objects that one request releases: a command, its subscription and its board.
+const LEFT_OVER: usize = 3;
+/// Capacity of the sample queue in words.
+const SAMPLES: usize = 1 << 18;
+
+pub(super) fn queues<T>(options: Options) -> (CycleEnds<T>, HostEnds<T>) {
+    let (request_in, requests) = RingBuffer::new(options.requests);
+    let (events, event_out) = RingBuffer::new(options.commands * 16 + options.requests);
+    let (samples, sample_out) = RingBuffer::new(SAMPLES);
+    // Room for all commands, subscriptions, boards and rules released by one tick, and for the objects that one request
+    // releases: no request is taken while objects wait to be sent.
+    let most = options.commands * 3 + options.rules() + LEFT_OVER;
+    let (dead, dead_out) = RingBuffer::new(most);
+    let cycle = CycleEnds {
+        requests,
+        events,
+        samples,
+        dead,
+        staged: Vec::with_capacity(most),
+    };
+    let host = HostEnds {
+        requests: request_in,
+        events: event_out,
+        samples: sample_out,
+        dead: dead_out,
+    };
+    (cycle, host)
+}
+
+impl<T> CycleEnds<T> {
+    /// Returns true if there is room for the answer to a request and for the objects that it releases.
+    pub(super) fn have_room(&self) -> bool {
+        self.staged.is_empty() && !self.events.is_full()
+    }
+
+    /// Releases an object to the host, which frees it.
+    pub(super) fn bury(&mut self, dead: Dead<T>) {
+        // The capacity covers all objects that the cycle can own.
+        self.staged.push(dead);
+    }
+
+    /// Sends the released objects. Must be called after the events that explain them were sent.
+    pub(super) fn send_dead(&mut self) {
+        while !self.dead.is_full() {
+            let Some(dead) = self.staged.pop() else {
+                return;
+            };
+            let _ = self.dead.push(dead);
+        }
+    }
+}

@@ -1,0 +1,12 @@
+//! Execution of commands on a clock: simulated and real time, the control of a running core, the tape of a run.
+//!
+//! Code here runs beside the real-time cycle, so it may allocate and format. It takes images and must not depend on nets
+//! or the compiler. A run hands its tape to a recorder by the trait [`run::StartRecording`], whose implementation is in
+//! another crate.
+
+pub mod control;
+pub mod latency;
+pub mod measure;
+pub mod realtime;
+pub mod run;
+pub mod tape;

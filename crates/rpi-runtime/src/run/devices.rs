@@ -1,0 +1,122 @@
+//! Device samples and final device states of a run.
+
+use rpi_device::{DeviceBank, PortKind, PortName};
+use rpi_image::{Scalar, Type};
+use rpi_sim::cell::Kind;
+use rpi_sim::{Cell, Report, SimBank};
+
+use super::cycle::DeviceTap;
+use super::outcome::{DeviceEnd, Trouble};
+use super::samples::{Channel, Source};
+
+/// Maximum number of distinct problems listed per device.
+const TROUBLES: usize = 32;
+
+/// Returns the ports that are sampled in every tick: name, number of instances, type.
+fn sampled(kind: &Kind) -> Vec<(&'static str, usize, Scalar)> {
+    match kind {
+        Kind::Arm(arm) => vec![
+            ("joint.commanded_position", arm.joints.len(), Scalar::Real),
+            ("tcp.commanded_position", 1, Scalar::Pose),
+        ],
+        Kind::Io(io) => vec![
+            ("in.bool", io.digital.inputs.len(), Scalar::Bool),
+            ("out.bool", io.digital.outputs.len(), Scalar::Bool),
+            ("in.real", io.analogue.inputs.len(), Scalar::Real),
+            ("out.real", io.analogue.outputs.len(), Scalar::Real),
+        ],
+        Kind::Base(_) | Kind::Gripper(_) | Kind::Force(_) => Vec::new(),
+    }
+}
+
+/// Returns the sampled ports of a cell and their channels. The device channels are the first channels of a run.
+pub(super) fn taps(cell: &Cell, bank: &mut SimBank) -> (Box<[DeviceTap]>, Vec<Channel>) {
+    let (mut taps, mut channels) = (Vec::new(), Vec::new());
+    for device in &cell.devices {
+        for (port, count, scalar) in sampled(&device.kind) {
+            for index in 0..count {
+                let name = PortName {
+                    device: &device.name,
+                    port,
+                    index: u32::try_from(index).unwrap_or(u32::MAX),
+                    kind: PortKind::Sensor,
+                    ty: Type::One(scalar),
+                };
+                let Ok(found) = bank.resolve(&name) else {
+                    continue;
+                };
+                taps.push(DeviceTap {
+                    port: found,
+                    channel: channels.len(),
+                    value: vec![0; scalar.cells() as usize].into(),
+                });
+                channels.push(Channel {
+                    name: channel_name(&device.name, port, index, count),
+                    ty: Type::One(scalar),
+                    source: Source::Device {
+                        device: device.name.clone(),
+                        port,
+                        index,
+                    },
+                });
+            }
+        }
+    }
+    (taps.into(), channels)
+}
+
+fn channel_name(device: &str, port: &str, index: usize, count: usize) -> String {
+    match count {
+        1 => format!("{device}.{port}"),
+        _ => format!("{device}.{port}[{index}]"),
+    }
+}
+
+/// Samples a port after the devices have moved.
+pub(super) fn sample(
+    tap: &mut DeviceTap,
+    bank: &mut SimBank,
+    mut take: impl FnMut(usize, Option<&[u64]>),
+) {
+    let there = bank.read(tap.port, &mut tap.value);
+    take(tap.channel, there.then_some(&*tap.value));
+}
+
+/// Returns the final states of the devices.
+pub(super) fn ends(bank: &mut SimBank) -> Vec<DeviceEnd> {
+    let mut ends: Vec<DeviceEnd> = bank
+        .status()
+        .map(|status| DeviceEnd {
+            name: status.name.to_owned(),
+            condition: status.code.to_string(),
+            moving: status.moving,
+            troubles: Vec::new(),
+        })
+        .collect();
+    bank.reports(|name, report| {
+        if let Some(end) = ends.iter_mut().find(|end| end.name == name) {
+            count(&mut end.troubles, &report);
+        }
+    });
+    ends
+}
+
+fn count(troubles: &mut Vec<Trouble>, report: &Report) {
+    let what = report.code.to_string();
+    let known = troubles
+        .iter()
+        .position(|t| t.what == what && t.axis == report.axis);
+    match known {
+        Some(k) => troubles[k].times += 1,
+        None if troubles.len() < TROUBLES => troubles.push(Trouble {
+            what,
+            is_refusal: !report.code.is_failure(),
+            axis: report.axis,
+            times: 1,
+            first: report.time,
+            value: report.value,
+            limit: report.limit,
+        }),
+        None => {}
+    }
+}

@@ -1,0 +1,152 @@
+//! Input values from the command line: `key=value`.
+
+use std::fmt;
+use std::str::FromStr;
+
+use rpi_image::Image;
+
+/// A value for an input.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Setting {
+    /// Key of the input.
+    pub key: String,
+    /// Text of the value.
+    pub value: String,
+}
+
+impl FromStr for Setting {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Setting, String> {
+        let (key, value) = text.split_once('=').ok_or("expected key=value")?;
+        Ok(Setting {
+            key: key.trim().to_owned(),
+            value: value.trim().to_owned(),
+        })
+    }
+}
+
+/// A setting that cannot be applied.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub enum BadSetting {
+    /// No command has an input with this key.
+    NoInput {
+        /// Key of the setting.
+        key: String,
+        /// Keys of all inputs.
+        known: Vec<String>,
+    },
+    /// The text is not a valid value of the input's type.
+    Value {
+        /// Key of the input.
+        key: String,
+        /// Description of the error.
+        message: String,
+    },
+}
+
+impl fmt::Display for BadSetting {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            BadSetting::NoInput { key, known } if known.is_empty() => {
+                write!(f, "undefined input {key}: there are no inputs")
+            }
+            BadSetting::NoInput { key, known } => {
+                write!(f, "undefined input {key} (inputs: {})", known.join(", "))?;
+                match rpi_words::suggest(key, known.iter().map(String::as_str)) {
+                    Some(meant) => write!(f, "; did you mean {meant}?"),
+                    None => Ok(()),
+                }
+            }
+            BadSetting::Value { key, message } => write!(f, "{key}: {message}"),
+        }
+    }
+}
+
+impl std::error::Error for BadSetting {}
+
+/// Index of an input and its value.
+pub(super) type Set = (usize, Vec<u64>);
+
+/// Resolves the settings to input values for each image.
+pub(super) fn resolve(
+    settings: &[Setting],
+    images: &[&Image],
+) -> Result<Vec<Vec<Set>>, BadSetting> {
+    for setting in settings {
+        let mut inputs = images.iter().flat_map(|image| &image.inputs);
+        if !inputs.any(|input| input.key == setting.key) {
+            let known = images.iter().flat_map(|image| &image.inputs);
+            let mut known: Vec<String> = known.map(|input| input.key.clone()).collect();
+            known.sort();
+            known.dedup();
+            let key = setting.key.clone();
+            return Err(BadSetting::NoInput { key, known });
+        }
+    }
+    images
+        .iter()
+        .map(|image| of_image(settings, image))
+        .collect()
+}
+
+fn of_image(settings: &[Setting], image: &Image) -> Result<Vec<Set>, BadSetting> {
+    let mut sets = Vec::new();
+    for (index, input) in image.inputs.iter().enumerate() {
+        for setting in settings.iter().filter(|s| s.key == input.key) {
+            let bad = |message: String| BadSetting::Value {
+                key: setting.key.clone(),
+                message,
+            };
+            let ty = input.value.ty;
+            let value = rpi_literal::read(&setting.value, ty)
+                .map_err(|e| bad(format!("`{}` is not a {ty}: {e}", setting.value)))?;
+            let value = value.ok_or_else(|| bad(format!("an input of type {ty} needs a value")))?;
+            sets.push((index, value.cells().to_vec()));
+        }
+    }
+    Ok(sets)
+}
+
+#[cfg(test)]
+mod tests {
+    use rpi_image::image::{InputPort, Signal};
+    use rpi_image::{Scalar, Type};
+
+    use super::*;
+
+    fn image() -> Image {
+        let value = Signal {
+            at: 2,
+            present: 1,
+            ty: Type::One(Scalar::Real),
+        };
+        Image {
+            inputs: vec![InputPort {
+                key: "speed".into(),
+                value,
+                updated: None,
+            }],
+            ..Image::default()
+        }
+    }
+
+    fn resolved(text: &str) -> Result<Vec<Vec<Set>>, BadSetting> {
+        resolve(&[text.parse().unwrap()], &[&image()])
+    }
+
+    #[test]
+    fn a_setting_finds_its_input() {
+        let cells = 0.5f64.to_bits();
+        assert_eq!(resolved("speed = 0.5").unwrap(), [[(0, vec![cells])]]);
+    }
+
+    #[test]
+    fn what_does_not_fit_is_told_with_a_way_out() {
+        let message = |text| resolved(text).unwrap_err().to_string();
+        assert!(message("sped=1").contains("did you mean speed?"));
+        assert!(message("speed=fast").contains("expected a number"));
+        assert!(message("speed=null").contains("needs a value"));
+        assert!("speed".parse::<Setting>().is_err());
+    }
+}

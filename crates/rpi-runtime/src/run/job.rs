@@ -1,0 +1,173 @@
+//! Execution of a run from start to end.
+
+use std::fmt;
+use std::io;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::time::Duration;
+
+use rpi_core::{Continuity, LoadFault};
+use rpi_image::Image;
+use rpi_sim::Cell;
+
+use super::drive::{Listener, side_by_side, taking_turns};
+use super::inputs::{BadSetting, Setting};
+use super::outcome::{CommandEnd, Outcome};
+use super::plan::Plan;
+use super::recorder::StartRecording;
+use super::samples::Sink;
+use super::share::Share;
+use super::sides::sides;
+use crate::control::TooMuch;
+use crate::realtime::{Pace, RealTime};
+
+/// Callback for progress: the running command and the elapsed time.
+pub type Progress<'a> = dyn FnMut(&CommandEnd, Duration) + 'a;
+
+/// Description of a run.
+pub struct Job<'a> {
+    /// Images of the commands. All have the same period, which is the tick length.
+    pub images: &'a [Arc<Image>],
+    /// Plans of the tasks, which run in parallel on separate devices.
+    pub plans: &'a [Plan],
+    /// Cell with the devices.
+    pub cell: &'a Cell,
+    /// Time base of the ticks.
+    pub pace: Pace,
+    /// Options for real time.
+    pub real_time: RealTime,
+    /// Policy for a takeover with a discontinuity.
+    pub continuity: Continuity,
+    /// Time budget of the commands in a tick; `None` disables the check.
+    pub share: Option<Share<'a>>,
+    /// Limits of the run.
+    pub limits: Limits,
+    /// Set to true to cut off the run.
+    pub interrupted: Arc<AtomicBool>,
+    /// Set to true for an emergency stop.
+    pub emergency: Arc<AtomicBool>,
+    /// Input values.
+    pub settings: &'a [Setting],
+    /// Recording of the run, if requested.
+    pub recording: Option<Box<dyn StartRecording>>,
+    /// Receiver of the samples.
+    pub sink: &'a mut dyn Sink,
+    /// Progress callback, if any.
+    pub progress: Option<&'a mut Progress<'a>>,
+}
+
+/// Limits of a run and simulated planning time.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct Limits {
+    /// Number of ticks after which the running commands are stopped; `None` for no limit.
+    pub ticks: Option<u64>,
+    /// Delay in nanoseconds between the start of a command and the scheduling of its successors. It simulates the time
+    /// of planning.
+    pub planning_ns: u64,
+}
+
+/// Maximum number of printed load errors per command. A device of the wrong kind lacks every port.
+const MAX_FAULTS: usize = 8;
+
+/// Error that prevents a run, or ends it before it is complete.
+#[derive(Debug)]
+pub enum Failure {
+    /// There are no commands.
+    Nothing,
+    /// The commands have different periods.
+    Periods,
+    /// A task does not handle a result of a command, or handles a result that does not exist.
+    Plan(String),
+    /// The cycle thread cannot be created, or ended unexpectedly.
+    Thread(io::Error),
+    /// The recording cannot be written.
+    Recording(io::Error),
+    /// The commands exceed the time budget of a tick.
+    TooMuch {
+        /// Name of the command, or the set of parallel commands.
+        what: String,
+        /// Required and available time.
+        why: TooMuch,
+    },
+    /// A setting cannot be applied.
+    Setting(BadSetting),
+    /// A command cannot run in the cell.
+    Loading {
+        /// Name of the command.
+        command: String,
+        /// All load errors.
+        faults: Vec<LoadFault>,
+        /// Names of the devices in the cell.
+        devices: Vec<String>,
+    },
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Failure::Nothing => f.write_str("there is nothing to run"),
+            Failure::Periods => f.write_str("all commands need the same period"),
+            Failure::Plan(what) => f.write_str(what),
+            Failure::Thread(error) => write!(f, "cycle thread error: {error}"),
+            Failure::Recording(error) => write!(f, "cannot write the recording: {error}"),
+            Failure::TooMuch { what, why } => f.write_str(&why.told(what)),
+            Failure::Setting(bad) => write!(f, "{bad}"),
+            Failure::Loading {
+                command,
+                faults,
+                devices,
+            } => {
+                write!(f, "{command} cannot run in this cell:")?;
+                let mut shown = faults.iter().take(MAX_FAULTS);
+                shown.try_for_each(|fault| write!(f, "\n  {fault}"))?;
+                if let Some(more @ 1..) = faults.len().checked_sub(MAX_FAULTS) {
+                    write!(f, "\n  and {more} more")?;
+                }
+                match faults.iter().any(|f| matches!(f, LoadFault::Device(_))) {
+                    true => write!(f, "\n{}", has(devices)),
+                    false => Ok(()),
+                }
+            }
+        }
+    }
+}
+
+fn has(devices: &[String]) -> String {
+    match devices {
+        [] => "the cell has no devices".to_owned(),
+        devices => format!("the cell has {}", devices.join(", ")),
+    }
+}
+
+impl std::error::Error for Failure {}
+
+/// Runs commands until the last one has ended or the run is cut off.
+///
+/// # Errors
+/// Returns an error if the run cannot begin, or if a command cannot be loaded later. Faults and errors of commands are
+/// part of the outcome.
+pub fn run(mut job: Job<'_>) -> Result<Outcome, Failure> {
+    let tick_ns = tick(job.images)?;
+    let complete = |plan: &Plan| plan.check(job.images);
+    job.plans
+        .iter()
+        .try_for_each(complete)
+        .map_err(Failure::Plan)?;
+    let recording = job.recording.take();
+    let (cycle, host) = sides(&job, tick_ns, recording)?;
+    job.sink.channels(&host.channels);
+    let listener = Listener::new(job.sink, job.progress, tick_ns);
+    match job.pace {
+        Pace::Simulated => taking_turns(cycle, host, listener),
+        Pace::Real | Pace::Faster(_) => side_by_side(cycle, host, listener, job.real_time),
+    }
+}
+
+/// Returns the common period of all commands.
+fn tick(images: &[Arc<Image>]) -> Result<u64, Failure> {
+    let period = images.first().ok_or(Failure::Nothing)?.period_ns;
+    match images.iter().all(|image| image.period_ns == period) {
+        true => Ok(period),
+        false => Err(Failure::Periods),
+    }
+}

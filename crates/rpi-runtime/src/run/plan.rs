@@ -1,0 +1,172 @@
+//! Plan of a task: which command follows which result.
+
+use rpi_image::Image;
+use rpi_image::image::{End, EndKind};
+use rpi_image::plan::Target;
+
+/// A node of a plan. Commands are indices into a list of images.
+pub type Node = rpi_image::plan::Node<usize>;
+
+/// Plan of a task, as a graph of nodes.
+#[derive(Clone, PartialEq, Eq, Debug, Default)]
+pub struct Plan {
+    /// Nodes of the plan. Targets are indices into this list.
+    pub nodes: Vec<Node>,
+    /// First node.
+    pub start: Target,
+}
+
+impl Plan {
+    /// Returns a plan that runs one command once.
+    #[must_use]
+    pub fn once(command: usize) -> Plan {
+        let node = Node::Run {
+            command,
+            on: Vec::new(),
+            on_fail: None,
+            otherwise: Some(None),
+        };
+        Plan {
+            nodes: vec![node],
+            start: Some(0),
+        }
+    }
+
+    /// Returns the worst-case time of the plan's commands in one tick. `of` holds the worst-case time of each command.
+    ///
+    /// A branch runs one command at a time, and no command while its own parallel branches run.
+    pub(super) fn together(&self, of: &[u64]) -> u64 {
+        self.strand(self.start, of)
+    }
+
+    fn strand(&self, start: Target, of: &[u64]) -> u64 {
+        let (mut most, mut seen) = (0, vec![false; self.nodes.len()]);
+        let mut next: Vec<usize> = start.into_iter().collect();
+        while let Some(at) = next.pop() {
+            if std::mem::replace(&mut seen[at], true) {
+                continue;
+            }
+            match &self.nodes[at] {
+                Node::Run { command, .. } => most = most.max(of[*command]),
+                Node::Parallel { strands, .. } => {
+                    let each = strands.iter().map(|strand| self.strand(*strand, of));
+                    most = most.max(each.fold(0, u64::saturating_add));
+                }
+                _ => {}
+            }
+            self.goes_on(at, &mut next);
+        }
+        most
+    }
+
+    /// Adds the nodes that may follow a node within its branch.
+    fn goes_on(&self, at: usize, next: &mut Vec<usize>) {
+        match &self.nodes[at] {
+            Node::Pass(then) => next.extend(*then),
+            Node::Enter(repeat) => next.push(*repeat),
+            Node::Repeat { body, then, .. } => next.extend(body.iter().chain(then)),
+            Node::Parallel { then, .. } => {
+                let left = self.nodes.iter().filter_map(|node| match node {
+                    Node::Leave { parallel, then } if *parallel == at => *then,
+                    _ => None,
+                });
+                next.extend(left.chain(*then));
+            }
+            // Nodes after the join belong to the enclosing branch.
+            Node::Join | Node::Leave { .. } => {}
+            Node::Run {
+                on,
+                on_fail,
+                otherwise,
+                ..
+            } => {
+                let named = on.iter().map(|(_, then)| *then);
+                next.extend(named.chain(*on_fail).chain(*otherwise).flatten());
+            }
+        }
+    }
+
+    /// Checks that every result of every command is handled.
+    ///
+    /// # Errors
+    /// Returns an error that names the command and the unhandled or unknown result.
+    pub fn check(&self, images: &[std::sync::Arc<Image>]) -> Result<(), String> {
+        self.nodes.iter().try_for_each(|node| match node {
+            Node::Run {
+                command,
+                on,
+                otherwise,
+                ..
+            } => complete(&images[*command], on, otherwise.is_some()),
+            _ => Ok(()),
+        })
+    }
+}
+
+fn complete(image: &Image, on: &[(String, Target)], otherwise: bool) -> Result<(), String> {
+    let results = match &image.end {
+        End::Results(results) => results.as_slice(),
+        End::Ports { .. } => &[],
+    };
+    let command = &image.name;
+    if let Some((name, _)) = on
+        .iter()
+        .find(|(name, _)| results.iter().all(|r| r.name != *name))
+    {
+        return Err(format!("`{command}` has no result `{name}`"));
+    }
+    let led = |name: &str| on.iter().any(|(own, _)| own == name);
+    let mut regular = results.iter().filter(|r| r.kind != EndKind::Fail);
+    match regular.find(|r| !otherwise && !led(&r.name)) {
+        Some(lost) => Err(format!(
+            "result `{}` of `{command}` is not handled",
+            lost.name
+        )),
+        None => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn run(command: usize, then: Target) -> Node {
+        Node::Run {
+            command,
+            on: Vec::new(),
+            on_fail: None,
+            otherwise: Some(then),
+        }
+    }
+
+    #[test]
+    fn strands_add_up_and_what_follows_takes_turns() {
+        let nodes = vec![
+            run(0, Some(1)),
+            Node::Parallel {
+                strands: vec![Some(2), Some(4)],
+                then: Some(6),
+            },
+            run(1, Some(3)),
+            Node::Leave {
+                parallel: 1,
+                then: Some(7),
+            },
+            run(2, Some(5)),
+            Node::Join,
+            Node::Repeat {
+                times: None,
+                body: Some(0),
+                then: None,
+            },
+            run(3, None),
+        ];
+        let plan = Plan {
+            nodes,
+            start: Some(0),
+        };
+        assert_eq!(plan.together(&[10, 20, 30, 40]), 50);
+        assert_eq!(plan.together(&[60, 20, 30, 40]), 60);
+        assert_eq!(plan.together(&[10, 20, 30, 70]), 70, "after an error");
+    }
+}

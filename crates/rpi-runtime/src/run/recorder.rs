@@ -1,0 +1,61 @@
+//! Interface between a run and the recorder of its tape.
+
+use std::io;
+
+use rpi_core::Continuity;
+use rpi_sim::Cell;
+use serde::Serialize;
+
+use super::samples::Channel;
+use crate::control::{Event, Journal};
+use crate::tape::TapeOut;
+
+/// Properties of a run that its recording describes.
+#[derive(Clone, Copy)]
+pub struct Recorded<'a> {
+    /// Cell with the devices.
+    pub cell: &'a Cell,
+    /// Device ports that are sampled after each tick.
+    pub channels: &'a [Channel],
+    /// Tick length in nanoseconds.
+    pub tick_ns: u64,
+    /// Policy of commands without a policy of their own for a takeover with a discontinuity.
+    pub continuity: Continuity,
+}
+
+/// A requested recording, which a run starts once its devices are known.
+pub trait StartRecording {
+    /// Starts recording. The recorder takes the ticks from the tape.
+    ///
+    /// # Errors
+    /// Returns the errors of the output, and an error if no thread can be created.
+    fn start(self: Box<Self>, run: Recorded<'_>, tape: TapeOut)
+    -> io::Result<Box<dyn RunRecorder>>;
+}
+
+/// Host side of the recorder of a run. No method but [`RunRecorder::finish`] blocks.
+pub trait RunRecorder {
+    /// Returns the callback that records each request to the control core.
+    fn journal(&self) -> Journal;
+
+    /// Records an event.
+    fn event(&self, event: &Event);
+
+    /// Returns true while the recorder takes ticks from the tape. It stops after an error of the output.
+    fn writes(&self) -> bool;
+
+    /// Ends the recording. `lost` is the number of ticks that did not fit on the tape.
+    ///
+    /// # Errors
+    /// Returns the first error of the output, and an error if requests or events were dropped.
+    fn finish(self: Box<Self>, lost: u64) -> io::Result<Written>;
+}
+
+/// Statistics of a finished recording.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Serialize)]
+pub struct Written {
+    /// Number of ticks in the recording.
+    pub ticks: u64,
+    /// Number of ticks lost because the writer could not keep up.
+    pub lost: u64,
+}

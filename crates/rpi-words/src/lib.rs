@@ -1,0 +1,10 @@
+//! Wording that messages of the compiler and the runtime share: counts with nouns, and the nearest known name.
+//!
+//! This crate depends on no other crate, so that the runtime can word its messages without the diagnostics of the
+//! compiler.
+
+mod count;
+mod suggest;
+
+pub use count::{counted, times};
+pub use suggest::suggest;
