@@ -16,7 +16,7 @@ pub(super) fn settle_constants(solver: &mut Solver<'_>) {
     }
     let reached = vec![false; solver.unit.exprs.len()];
     let mut placing = Placing {
-        solver: solver,
+        solver,
         open,
         reached,
     };
